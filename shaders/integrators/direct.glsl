@@ -1,0 +1,57 @@
+// `direct`: emission and light that was scattered once, by sampling the lights, by sampling the BSDF, or by both with
+// multiple importance sampling (Veach 1997, section 9.2). All three agree in the mean; they differ in their noise.
+//
+// What a technique cannot do is left to the other: delta lobes always go by the BSDF, delta lights always by a sample.
+#version 460
+#include "lib/prelude.glsl"
+#include "trace/backend.glsl"
+#include "lib/path.glsl"
+
+const uint SAMPLE_BOTH = 0u;
+const uint SAMPLE_EMITTER = 1u;
+const uint SAMPLE_BSDF = 2u;
+
+// The weight of light found by the BSDF's choice of direction, given its weight under both techniques.
+float by_bsdf(Path path, float both) { return path.delta || PARAM0 == SAMPLE_BSDF ? 1.0 : PARAM0 == SAMPLE_BOTH ? both : 0.0; }
+
+// The weight of a light sample, given its weight under both techniques.
+float by_emitter(LightSample light, float both) {
+    return light.delta || PARAM0 == SAMPLE_EMITTER ? 1.0 : PARAM0 == SAMPLE_BOTH ? both : 0.0;
+}
+
+bool path_extend(inout Path path, inout Estimate e) {
+    Hit hit;
+    bool found = trace_closest(path.ray, hit);
+    e.rays += 1u;
+    if (!found) {
+        if (HAS_BACKGROUND) {
+            float weight = by_bsdf(path, background_weight(path));
+            contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction) * weight);
+        }
+        return false;
+    }
+    Vertex v = vertex_at(path.ray, hit);
+    vec3 emission = vertex_emission(v, path.ray);
+    if (emission != vec3(0.0))
+        contribute(e, path.depth + 1u, path.throughput * emission * by_bsdf(path, emission_weight(path, hit, v)));
+    if (path.depth + 1u >= min(MAX_DEPTH, 2u) || v.material == NONE) return false;
+    Material m = vertex_material(v);
+
+    vec4 light_u = next4(path.random);
+    vec4 bsdf_u = next4(path.random);
+    if (!bsdf_is_delta(m)) {
+        LightSample light = light_sample(v.at.position, light_u);
+        vec3 wi = vertex_to_local(v, light.wi);
+        float weight = by_emitter(light, power_heuristic(light.pdf_w, bsdf_pdf(m, v.wo, wi)));
+        vec3 radiance = path.throughput * bsdf_eval(m, v.wo, wi) * light.weight * weight;
+        if (radiance != vec3(0.0)) {
+            e.rays += 1u;
+            if (vertex_sees(v, light)) contribute(e, path.depth + 2u, radiance);
+        }
+        if (PARAM0 == SAMPLE_EMITTER) return false;
+    }
+    path_scatter(path, v, bsdf_sample(m, v.wo, bsdf_u.xyz));
+    return path.throughput != vec3(0.0);
+}
+
+#include "lib/pixel_main.glsl"

@@ -1,0 +1,55 @@
+// `path`: explicit path tracing. At each vertex light is gathered twice, by sampling a light (next-event estimation) and
+// by the direction that the BSDF chooses anyway, and both are combined by multiple importance sampling (Veach 1997,
+// sections 9.2 and 10.2). Paths end by Russian roulette on their throughput. Unbiased.
+#version 460
+#include "lib/prelude.glsl"
+#include "trace/backend.glsl"
+#include "lib/path.glsl"
+
+bool path_extend(inout Path path, inout Estimate e) {
+    Hit hit;
+    bool found = trace_closest(path.ray, hit);
+    e.rays += 1u;
+    if (!found) {
+        if (HAS_BACKGROUND)
+            contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction) * background_weight(path));
+        return false;
+    }
+    Vertex v = vertex_at(path.ray, hit);
+
+    // 1. Emission that the path has run into.
+    vec3 emission = vertex_emission(v, path.ray);
+    if (emission != vec3(0.0)) contribute(e, path.depth + 1u, path.throughput * emission * emission_weight(path, hit, v));
+    if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
+    Material m = vertex_material(v);
+
+    // 2. Next-event estimation: a sample of the lights, weighted against the chance that the BSDF picks its direction.
+    vec4 light_u = next4(path.random);
+    vec4 bsdf_u = next4(path.random);
+    if (!bsdf_is_delta(m)) {
+        LightSample light = light_sample(v.at.position, light_u);
+        vec3 wi = vertex_to_local(v, light.wi);
+        float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(m, v.wo, wi));
+        vec3 radiance = path.throughput * bsdf_eval(m, v.wo, wi) * light.weight * weight;
+        if (radiance != vec3(0.0)) {
+            e.rays += 1u;
+            if (vertex_sees(v, light)) contribute(e, path.depth + 2u, radiance);
+        }
+    }
+
+    // 3. The next direction.
+    path_scatter(path, v, bsdf_sample(m, v.wo, bsdf_u.xyz));
+
+    // 4. Russian roulette: survive with the probability that the path still matters. Radiance that is scaled by crossing
+    // into glass comes back when it leaves, so eta^2 takes that out of the decision.
+    float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
+    if (greatest == 0.0) return false;
+    if (path.depth >= RR_DEPTH) {
+        float survive = min(greatest * path.eta * path.eta, 0.95);
+        if (bsdf_u.w >= survive) return false;
+        path.throughput /= survive;
+    }
+    return true;
+}
+
+#include "lib/pixel_main.glsl"

@@ -1,0 +1,49 @@
+// `path-implicit`: implicit path tracing. The BSDF alone chooses directions, and light counts where a path runs into it;
+// lights that no direction hits by chance stay unseen.
+//
+// form=unbiased adds emission at every vertex and ends paths by Russian roulette with the constant probability q.
+// form=biased ends at the first light or at a fixed length: it misses what lights reflect and what longer paths bring.
+#version 460
+#include "lib/prelude.glsl"
+#include "trace/backend.glsl"
+#include "lib/path.glsl"
+
+const uint FORM_BIASED = 1u;
+const uint FIXED_LENGTH = 8u; // of the biased form, where the scene gives no limit
+
+bool path_extend(inout Path path, inout Estimate e) {
+    Hit hit;
+    bool found = trace_closest(path.ray, hit);
+    e.rays += 1u;
+    if (!found) {
+        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
+        return false;
+    }
+    Vertex v = vertex_at(path.ray, hit);
+
+    // 1. Emission that the path has run into.
+    vec3 emission = vertex_emission(v, path.ray);
+    contribute(e, path.depth + 1u, path.throughput * emission);
+    if (v.material == NONE) return false;
+    if (PARAM0 == FORM_BIASED) {
+        if (emission != vec3(0.0) || path.depth + 1u >= min(MAX_DEPTH, FIXED_LENGTH)) return false;
+    } else if (path.depth + 1u >= MAX_DEPTH) {
+        return false;
+    }
+
+    // 2. The next direction.
+    Material m = vertex_material(v);
+    vec4 u = next4(path.random);
+    path_scatter(path, v, bsdf_sample(m, v.wo, u.xyz));
+    if (path.throughput == vec3(0.0)) return false;
+
+    // 3. Russian roulette with a constant probability of ending.
+    if (PARAM0 != FORM_BIASED && path.depth >= RR_DEPTH) {
+        float q = uintBitsToFloat(PARAM1);
+        if (u.w < q) return false;
+        path.throughput /= 1.0 - q;
+    }
+    return true;
+}
+
+#include "lib/pixel_main.glsl"

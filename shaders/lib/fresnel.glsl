@@ -1,0 +1,30 @@
+// Fresnel reflectance of unpolarised light.
+
+// Dielectric of relative index eta (inside over outside), met at cos_i > 0 from the outside where eta is as stored, or
+// with eta inverted from the inside. Also returns the cosine of refraction, 0 under total internal reflection.
+// (Born and Wolf, Principles of Optics, section 1.5.2)
+float fresnel_dielectric(float cos_i, float eta, out float cos_t) {
+    float sin2_t = max(0.0, 1.0 - cos_i * cos_i) / (eta * eta);
+    cos_t = sqrt(max(0.0, 1.0 - sin2_t));
+    float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    return sin2_t >= 1.0 ? 1.0 : 0.5 * (parallel * parallel + perpendicular * perpendicular);
+}
+
+// Conductor of complex relative index eta + i k, per colour channel.
+vec3 fresnel_conductor(float cos_i, vec3 eta, vec3 k) {
+    float cos2 = cos_i * cos_i;
+    float sin2 = max(0.0, 1.0 - cos2);
+    vec3 eta2 = eta * eta;
+    vec3 k2 = k * k;
+    vec3 t0 = eta2 - k2 - sin2;
+    vec3 a2_plus_b2 = sqrt(t0 * t0 + 4.0 * eta2 * k2);
+    vec3 a = sqrt(max(vec3(0.0), 0.5 * (a2_plus_b2 + t0)));
+    vec3 t1 = a2_plus_b2 + cos2;
+    vec3 t2 = 2.0 * cos_i * a;
+    vec3 perpendicular = (t1 - t2) / (t1 + t2);
+    vec3 t3 = cos2 * a2_plus_b2 + sin2 * sin2;
+    vec3 t4 = t2 * sin2;
+    vec3 parallel = perpendicular * (t3 - t4) / (t3 + t4);
+    return 0.5 * (parallel + perpendicular);
+}

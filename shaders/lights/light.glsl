@@ -1,0 +1,53 @@
+// The one place that knows all lights: choosing one, sampling it as seen from a point, and the density of that when a
+// path hits a light by itself.
+#include "lib/sampling.glsl"
+
+struct LightSample {
+    vec3 wi;      // unit direction from the reference point to the light
+    vec3 target;  // the point to see, moved off the light's own surface
+    vec3 weight;  // radiance / pdf_w; of a delta light, the irradiance on a facing surface / probability
+    float pdf_w;  // over solid angle at the reference point, selection included
+    bool delta;   // no direction hits this light by chance
+    bool distant; // the light is infinitely far in the direction wi
+};
+
+LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false); }
+
+#include "lights/triangle.glsl"
+#include "lights/sphere.glsl"
+#include "lights/point.glsl"
+#include "lights/spot.glsl"
+#include "lights/directional.glsl"
+#include "lights/background.glsl"
+
+// A sample of one light, chosen from the alias table (or the background) by u.xy, then sampled by u.zw.
+LightSample light_sample(vec3 p, vec4 u) {
+    if (HAS_BACKGROUND) {
+        if (u.x < scene.background_probability) return background_sample(u.zw);
+        u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
+    }
+    if (LIGHT_COUNT == 0u) return no_light();
+    uint index = 0u;
+    if (LIGHT_COUNT > 1u) {
+        index = min(uint(u.x * float(LIGHT_COUNT)), LIGHT_COUNT - 1u);
+        Light drawn = load_light(index);
+        if (u.y >= drawn.keep) index = drawn.alias;
+    }
+    Light light = load_light(index);
+    LightSample s = no_light();
+    if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_sample(light, p, u.zw);
+    if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
+    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
+    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
+    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light);
+    return s;
+}
+
+// Density over solid angle at `p` with which light_sample picks the emitting point that a ray from there hit.
+float light_pdf(vec3 p, Ray ray, Hit hit, Interaction at, Surface surface) {
+    if (HAS_SPHERE_LIGHTS) {
+        Primitive primitive = load_primitive(hit.primitive);
+        if (is_sphere(primitive)) return sphere_light_pdf(primitive.v0, primitive.v1.x, p, at, surface.light_density, ray.direction);
+    }
+    return triangle_light_pdf(p, at, surface.light_density, ray.direction);
+}

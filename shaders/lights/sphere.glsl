@@ -1,0 +1,58 @@
+// An emitting sphere: seen from outside, sampled uniformly over the solid angle of its cone; from inside (a negative
+// radius turns its normal inwards), uniformly over its area.
+
+// 1 - cos of the half angle under which a sphere is seen, without cancellation for small and far ones.
+float sphere_cone(float radius2, float distance2) {
+    float sin2 = radius2 / distance2;
+    return sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2)));
+}
+
+LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
+    float radius = light.v1.x;
+    float radius2 = radius * radius;
+    vec3 axis = light.position - p;
+    float distance2 = dot(axis, axis);
+    vec3 outward;
+    float pdf_w;
+    bool lit;
+    vec3 position;
+    float margin = margin_on_sphere(light.position, radius);
+    if (radius > 0.0) {
+        float cone = sphere_cone(radius2, distance2);
+        float one_minus_cos = u.x * cone;
+        float sin2 = one_minus_cos * (2.0 - one_minus_cos);
+        float cos_theta = 1.0 - one_minus_cos;
+        float distance = sqrt(distance2);
+        float phi = 2.0 * PI * u.y;
+        float sin_theta = sqrt(sin2);
+        vec3 wi = to_world(frame_from_normal(axis / distance), vec3(sin_theta * cos(phi), sin_theta * sin(phi), cos_theta));
+        float along = distance * cos_theta - sqrt(max(0.0, radius2 - distance2 * sin2));
+        outward = normalize(along * wi - axis);
+        pdf_w = light.probability / (2.0 * PI * cone);
+        position = light.position + abs(radius) * outward;
+        lit = distance2 > radius2;
+        return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
+                           lit ? pdf_w : 0.0, false, false);
+    }
+    outward = sample_sphere(u);
+    position = light.position + abs(radius) * outward;
+    vec3 d = position - p;
+    float d2 = dot(d, d);
+    vec3 wi = d * inversesqrt(d2);
+    float cos_light = dot(wi, outward);
+    pdf_w = light.probability * d2 / (4.0 * PI * radius2 * cos_light);
+    lit = cos_light > 0.0 && d2 > 0.0;
+    return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
+                       lit ? pdf_w : 0.0, false, false);
+}
+
+// Density of the above where a ray from p met the sphere; `probability` is that of selecting it.
+float sphere_light_pdf(vec3 centre, float radius, vec3 p, Interaction at, float probability, vec3 wi) {
+    float radius2 = radius * radius;
+    if (radius > 0.0) {
+        vec3 axis = centre - p;
+        return probability / (2.0 * PI * sphere_cone(radius2, dot(axis, axis)));
+    }
+    vec3 d = at.position - p;
+    return probability * dot(d, d) / (4.0 * PI * radius2 * abs(dot(wi, at.normal)));
+}

@@ -1,0 +1,13 @@
+// A point with a cone: full intensity within the beam width, falling linearly with the angle to zero at the cut-off,
+// which is what Mitsuba's `spot` means.
+
+LightSample spot_light_sample(Light light, vec3 p) {
+    vec3 d = light.position - p;
+    float distance2 = dot(d, d);
+    vec3 wi = d * inversesqrt(distance2);
+    float cutoff = light.v2.x;
+    float beam = light.v2.y;
+    float angle = acos(clamp(-dot(wi, light.v1), -1.0, 1.0));
+    float falloff = angle <= beam ? 1.0 : clamp((cutoff - angle) / (cutoff - beam), 0.0, 1.0);
+    return LightSample(wi, light.position, light.radiance * (falloff / (light.probability * distance2)), 1.0, true, false);
+}

@@ -1,0 +1,25 @@
+// A triangle that emits from its front, sampled uniformly over its area.
+
+LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {
+    vec2 b = sample_triangle(u);
+    vec3 v0 = light.position, v1 = light.v1, v2 = light.v2;
+    vec3 scaled_normal = triangle_normal(v0, v1, v2);
+    float area2 = length(scaled_normal);
+    vec3 normal = scaled_normal / area2;
+    vec3 position = triangle_point(v0, v1, v2, b);
+    vec3 d = position - p;
+    float distance2 = dot(d, d);
+    vec3 wi = d * inversesqrt(distance2);
+    float cos_light = -dot(wi, normal);
+    // area to solid angle: pdf_w = pdf_a d^2 / cos (Veach 1997, section 8.2.2.2)
+    float pdf_w = light.probability * distance2 / (0.5 * area2 * cos_light);
+    bool lit = cos_light > 0.0 && distance2 > 0.0;
+    return LightSample(wi, offset_origin(position, margin_on_triangle(normal, v0, v1, v2, position), normal, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
+                       lit ? pdf_w : 0.0, false, false);
+}
+
+// Density of the above where a ray from p met an emitting triangle; density_a is per area, selection included.
+float triangle_light_pdf(vec3 p, Interaction at, float density_a, vec3 wi) {
+    vec3 d = at.position - p;
+    return density_a * dot(d, d) / abs(dot(wi, at.normal));
+}

@@ -1,0 +1,37 @@
+//! The table of ray backends: the only place where a new one is announced.
+//!
+//! A backend is one row here and one file in `shaders/trace/` with the functions `trace_closest` and `trace_any`;
+//! `gpu/` says which devices have what it needs.
+
+/// A way to find what a ray meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Backend {
+    /// The driver's acceleration structures, through `VK_KHR_ray_query`.
+    RayQuery,
+    /// A compressed wide BVH traversed in a compute shader.
+    Bvh,
+}
+
+/// One backend's row.
+#[derive(Clone, Copy, Debug)]
+pub struct BackendRow {
+    /// The backend.
+    pub backend: Backend,
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Its file in `shaders/trace/`.
+    pub file: &'static str,
+}
+
+/// Every backend.
+pub const BACKENDS: &[BackendRow] = &[
+    BackendRow { backend: Backend::RayQuery, name: "ray-query", file: "ray_query.glsl" },
+    BackendRow { backend: Backend::Bvh, name: "bvh", file: "bvh.glsl" },
+];
+
+impl Backend {
+    /// The backend's name on the command line.
+    pub fn name(self) -> &'static str {
+        BACKENDS.iter().find(|row| row.backend == self).map_or("", |row| row.name)
+    }
+}

@@ -1,0 +1,163 @@
+//! The compressed wide BVH that backend `bvh` traverses (Ylitie, Karras and Laine 2017), built by obvhs, and a check
+//! that it is right.
+
+use glam::{DVec3, Vec3};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+
+use crate::layout::{NODE_BYTES, Primitive, SPHERE_BIT};
+
+const _: () = assert!(size_of::<CwBvhNode>() == NODE_BYTES as usize);
+
+/// By how much of a grid cell traversal widens each child's box; `CELL_MARGIN` in `shaders/trace/bvh.glsl`. It makes up
+/// for the rounding of the quantisation, which [`Bvh::validate`] bounds.
+pub const CELL_MARGIN: f64 = 1.0 / 256.0;
+
+/// A tree over boxes.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    /// The nodes, the root first; child and primitive indices count from the beginning of this tree.
+    pub nodes: Vec<CwBvhNode>,
+    /// For each leaf slot, the index of the box that it holds: leaves refer to runs of slots.
+    pub order: Vec<u32>,
+    /// Nodes on the longest way from the root to a leaf.
+    pub depth: u32,
+}
+
+/// An axis-aligned box of single-precision corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower corner.
+    pub min: Vec3,
+    /// Upper corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The box that contains nothing.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The smallest box around it and a point.
+    #[must_use]
+    pub fn with_point(self, point: Vec3) -> Self {
+        Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+}
+
+/// The box of a primitive. A sphere's is rounded outwards.
+pub fn primitive_bounds(primitive: &Primitive) -> Bounds {
+    let v0 = Vec3::from(primitive.v0);
+    if primitive.surface & SPHERE_BIT != 0 {
+        let radius = primitive.v1[0].abs();
+        let reach = Vec3::splat(radius) + (v0.abs() + radius) * 4.0 * f32::EPSILON;
+        return Bounds { min: v0 - reach, max: v0 + reach };
+    }
+    let (v1, v2) = (Vec3::from(primitive.v1), Vec3::from(primitive.v2));
+    Bounds { min: v0.min(v1).min(v2), max: v0.max(v1).max(v2) }
+}
+
+impl Bvh {
+    /// Builds a tree. No box at all gives a root without children.
+    pub fn build(boxes: &[Bounds]) -> Self {
+        if boxes.is_empty() {
+            return Self { nodes: vec![CwBvhNode::default()], order: Vec::new(), depth: 1 };
+        }
+        let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.min.into(), b.max.into())).collect();
+        let indices = (0..boxes.len() as u32).collect();
+        // Reinsertion is what the quality of the tree comes from; its cost grows faster than the scene.
+        let (search, reinsertion) = match boxes.len() {
+            0..200_000 => (PlocSearchDistance::High, 0.5),
+            200_000..2_000_000 => (PlocSearchDistance::Medium, 0.15),
+            _ => (PlocSearchDistance::Low, 0.02),
+        };
+        let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, &boxes, indices, SortPrecision::U64, 2);
+        ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
+        let wide = bvh2_to_cwbvh(&binary, 3, true, false);
+        let depth = depth_below(&wide.nodes);
+        Self { nodes: wide.nodes, order: wide.primitive_indices, depth }
+    }
+
+    /// Checks that every box is in exactly one leaf, and that each child's decoded box, widened by [`CELL_MARGIN`] as
+    /// traversal widens it, contains all that lies below the child. Says what is wrong otherwise.
+    pub fn validate(&self, boxes: &[Bounds]) -> Result<(), String> {
+        let mut seen = vec![false; boxes.len()];
+        let mut visited = vec![false; self.nodes.len()];
+        let contents = self.validate_node(0, boxes, &mut seen, &mut visited)?;
+        debug_assert!(boxes.is_empty() || contents.min.is_finite());
+        match (seen.iter().position(|seen| !seen), visited.iter().position(|visited| !visited)) {
+            (Some(index), _) => Err(format!("box {index} is in no leaf")),
+            (_, Some(index)) => Err(format!("node {index} is not reachable")),
+            _ => Ok(()),
+        }
+    }
+
+    fn validate_node(
+        &self,
+        index: usize,
+        boxes: &[Bounds],
+        seen: &mut [bool],
+        visited: &mut [bool],
+    ) -> Result<Bounds, String> {
+        let node = self.nodes.get(index).ok_or_else(|| format!("node {index} does not exist"))?;
+        if std::mem::replace(&mut visited[index], true) {
+            return Err(format!("node {index} is reached twice"));
+        }
+        let mut all = Bounds::EMPTY;
+        for child in (0..8).filter(|child| !node.is_child_empty(*child)) {
+            let mut contents = Bounds::EMPTY;
+            if node.is_leaf(child) {
+                let (first, count) = node.child_primitives(child);
+                for slot in first..first + count {
+                    let index =
+                        *self.order.get(slot as usize).ok_or_else(|| format!("slot {slot} does not exist"))? as usize;
+                    if std::mem::replace(&mut seen[index], true) {
+                        return Err(format!("box {index} is in two leaves"));
+                    }
+                    contents = contents.union(boxes[index]);
+                }
+            } else {
+                contents = self.validate_node(node.child_node_index(child) as usize, boxes, seen, visited)?;
+            }
+            let (min, max) = decoded_child(node, child);
+            if !(contents.min.as_dvec3().cmpge(min).all() && contents.max.as_dvec3().cmple(max).all()) {
+                return Err(format!(
+                    "child {child} of node {index} spans {min} to {max}, its contents {} to {}",
+                    contents.min, contents.max
+                ));
+            }
+            all = all.union(contents);
+        }
+        Ok(all)
+    }
+}
+
+/// A child's box as traversal sees it, in exact arithmetic.
+fn decoded_child(node: &CwBvhNode, child: usize) -> (DVec3, DVec3) {
+    let corner = node.p.as_dvec3();
+    let cell = DVec3::from_array(node.e.map(|exponent| f64::from(f32::from_bits(u32::from(exponent) << 23))));
+    let low =
+        DVec3::new(node.child_min_x[child].into(), node.child_min_y[child].into(), node.child_min_z[child].into());
+    let high =
+        DVec3::new(node.child_max_x[child].into(), node.child_max_y[child].into(), node.child_max_z[child].into());
+    (corner + (low - CELL_MARGIN) * cell, corner + (high + CELL_MARGIN) * cell)
+}
+
+/// Nodes on the longest way down. Children come after their parents, so one pass from the back is enough.
+fn depth_below(nodes: &[CwBvhNode]) -> u32 {
+    let mut depth = vec![1u32; nodes.len()];
+    for index in (0..nodes.len()).rev() {
+        for child in (0..8).filter(|child| !nodes[index].is_child_empty(*child) && !nodes[index].is_leaf(*child)) {
+            depth[index] = depth[index].max(1 + depth[nodes[index].child_node_index(child) as usize]);
+        }
+    }
+    depth[0]
+}

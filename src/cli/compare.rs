@@ -1,0 +1,62 @@
+//! `lumbre compare`: how far an image is from a reference.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use lumbre::error::{Error, Result};
+use lumbre::input::read_image;
+use lumbre::metrics::{compare, heat_map, heat_scale, same_size};
+use lumbre::output::{Format, Picture, check_writable, format_of, write_picture};
+
+use super::print;
+use super::render::write_json;
+
+#[derive(Args)]
+pub(super) struct CompareArgs {
+    /// Image, EXR or PNG
+    image: PathBuf,
+
+    /// What it should be
+    reference: PathBuf,
+
+    /// Write a picture of the relative difference: red where the image is too bright, blue where too dark
+    #[arg(long, value_name = "FILE")]
+    heatmap: Option<PathBuf>,
+
+    /// Write the figures as JSON ('-' is standard output)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &CompareArgs) -> Result<()> {
+    if let Some(path) = &args.heatmap {
+        if format_of(path)? != Format::Png {
+            return Err(Error::Usage(format!("{}: a heat map is a .png", path.display())));
+        }
+        check_writable(path)?;
+    }
+    let (image, reference) = (read_image(&args.image)?, read_image(&args.reference)?);
+    same_size(&image, &reference)?;
+    let found = compare(&image, &reference)?;
+    if let Some(path) = &args.heatmap {
+        let scale = heat_scale(&image, &reference);
+        let map = heat_map(&image, &reference, scale);
+        write_picture(path, &Picture { image: map, layers: Vec::new(), header: Vec::new() })?;
+        if args.json.is_none() {
+            print(&format!("heat map      full colour is a relative difference of {scale:.4}"));
+        }
+    }
+    if let Some(path) = &args.json {
+        return write_json(path, &found);
+    }
+    print(&format!("mse           {:.6e}", found.mse));
+    print(&format!("rmse          {:.6e}", found.rmse));
+    print(&format!("relmse        {:.6e}", found.relmse));
+    print(&format!("mape          {:.6e}", found.mape));
+    print(&format!("flip          {:.6}", found.flip));
+    print(&format!("energy ratio  {:.6}", found.energy_ratio));
+    print(&format!("max abs       {:.6e}", found.max_abs));
+    print(&format!("nonfinite     {}", found.nonfinite));
+    Ok(())
+}

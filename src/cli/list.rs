@@ -1,0 +1,29 @@
+//! `lumbre list`: the table of techniques.
+
+use lumbre::error::Result;
+use lumbre::integrator::{Bias, INTEGRATORS, Solves, Values};
+
+use super::print;
+
+pub(super) fn run() -> Result<()> {
+    for row in INTEGRATORS {
+        let solves = match row.solves {
+            Solves::Direct => "emission and direct light",
+            Solves::Everything => "full light transport",
+        };
+        let bias = match row.bias {
+            Bias::Unbiased => String::from("unbiased"),
+            Bias::Biased(why) => format!("biased ({why})"),
+        };
+        let blind = if row.sees_delta_lights { "" } else { "; does not see point, spot and directional lights" };
+        print(&format!("{:<14} {}\n{:14} {solves}, {bias}{blind}", row.name, row.title, ""));
+        for parameter in row.parameters {
+            let values = match parameter.values {
+                Values::Choice(words) => words.join("|"),
+                Values::Number(low, high, default) => format!("{low}..{high}, default {default}"),
+            };
+            print(&format!("{:14} :{}={values}\n{:16}{}", "", parameter.name, "", parameter.about));
+        }
+    }
+    Ok(())
+}

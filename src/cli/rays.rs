@@ -1,0 +1,11 @@
+//! `lumbre rays`.
+
+use clap::Args;
+use lumbre::error::Result;
+
+#[derive(Args)]
+pub(super) struct RaysArgs {}
+
+pub(super) fn run(_: &RaysArgs) -> Result<()> {
+    Ok(())
+}

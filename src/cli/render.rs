@@ -1,0 +1,284 @@
+//! `lumbre render`.
+
+mod progress;
+mod report;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use clap::Args;
+use serde::Serialize;
+
+use lumbre::error::{Error, Result, one_of};
+use lumbre::gpu::Gpu;
+use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
+use lumbre::output::{Format, check_writable, format_of, replace_file, write_picture};
+use lumbre::render::{Renderer, Settings, Technique};
+use lumbre::scene::Scene;
+
+use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
+use progress::Progress;
+
+/// Samples per pixel where neither the command line nor the scene says.
+const DEFAULT_SPP: u32 = 64;
+/// Layers by path length where the paths have no limit.
+const DEFAULT_LENGTHS: u32 = 16;
+
+#[derive(Args)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Technique, with parameters as NAME:PARAMETER=VALUE; `lumbre list` shows them all
+    #[arg(short = 'i', long, value_name = "NAME")]
+    integrator: Option<String>,
+
+    /// Output: .exr (linear, 32-bit float) or .png (sRGB); may repeat. By default both, named after the scene
+    #[arg(short = 'o', long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+
+    /// Samples per pixel
+    #[arg(short = 'n', long, value_name = "SPP", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    spp: Option<u32>,
+
+    /// Render for this long instead
+    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
+    time: Option<f64>,
+
+    /// Size of the image in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+
+    /// Longest path in segments (1: emission only, 2: adds direct light); -1 is no limit
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_depth)]
+    max_depth: Option<Depth>,
+
+    /// Segments after which Russian roulette may end a path
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    rr_depth: Option<u32>,
+
+    /// Probability that Russian roulette ends a path, for techniques with a constant one
+    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
+    rr_q: Option<String>,
+
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u32,
+
+    /// Ray backend: auto, ray-query or bvh
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    backend: String,
+
+    /// Camera by name or number; the scene's first one by default
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+
+    /// Write one EXR layer per path length, whose sum is the image; N layers, the last of which takes all longer paths
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "0", require_equals = true,
+          value_parser = clap::value_parser!(u32).range(0..=64))]
+    lengths: Option<u32>,
+
+    /// Further EXR layers, separated by commas: variance (of each pixel's mean), samples
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    aov: Vec<String>,
+
+    /// Write the figures as JSON ('-' is standard output)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+
+    #[command(flatten)]
+    device: DeviceArgs,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// `--max-depth`: a number of segments, or nothing for no limit.
+#[derive(Clone, Copy)]
+struct Depth(Option<u32>);
+
+fn parse_depth(text: &str) -> Result<Depth, String> {
+    match text.parse::<i64>() {
+        Ok(-1) => Ok(Depth(None)),
+        Ok(depth @ 0..=0xffff_fffe) => Ok(Depth(u32::try_from(depth).ok())),
+        _ => Err(String::from("it must be 0 or more, or -1 for no limit")),
+    }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let sides =
+        text.split_once(['x', 'X']).and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    sides
+        .filter(|(width, height)| (1..=65536).contains(width) && (1..=65536).contains(height))
+        .ok_or_else(|| String::from("it must be WIDTHxHEIGHT, each 1 to 65536"))
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|seconds| *seconds > 0.0 && seconds.is_finite())
+        .ok_or_else(|| String::from("it must be a number above 0"))
+}
+
+const AOVS: [&str; 2] = ["variance", "samples"];
+
+/// What to do, checked before anything is rendered.
+struct Job {
+    outputs: Vec<PathBuf>,
+    spp: u32,
+    time: Option<f64>,
+}
+
+pub(super) fn run(args: &RenderArgs) -> Result<()> {
+    let started = Instant::now();
+    let interrupted = listen_for_interrupts();
+    // What is wrong with the command itself is said before any work.
+    let asked = args.integrator.as_deref().map(Technique::parse).transpose()?;
+    if let Some(unknown) = args.aov.iter().find(|name| !AOVS.contains(&name.as_str())) {
+        return Err(Error::Usage(format!("no layer '{unknown}': valid are {}", one_of(AOVS))));
+    }
+    let outputs = outputs(args)?;
+
+    let scene = args.scene.load()?;
+    let load = started.elapsed().as_secs_f64();
+    if !args.quiet {
+        print_warnings(&scene);
+    }
+    let gpu = args.device.open()?;
+    let (settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
+    if !args.quiet && !settings.technique.row.sees_delta_lights && has_delta_lights(&scene) {
+        let name = settings.technique.row.name;
+        eprintln!(
+            "warning: {name} cannot see this scene's point, spot or directional lights: the image lacks their light"
+        );
+    }
+
+    gpu.reset_peak();
+    let mut renderer = Renderer::new(&gpu, &scene, &settings)?;
+    let mut progress = Progress::new(args.quiet, &job);
+    let rendering = Instant::now();
+    loop {
+        let more = renderer.advance(job.spp)?;
+        let seconds = rendering.elapsed().as_secs_f64();
+        progress.update(&renderer, seconds);
+        if !more || interrupted.load(Ordering::Relaxed) || job.time.is_some_and(|limit| seconds >= limit) {
+            break;
+        }
+    }
+    progress.finish();
+
+    let film = renderer.film()?;
+    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started);
+    let picture = report::picture(&film, &result, &args.aov);
+    for path in &job.outputs {
+        write_picture(path, &picture)?;
+    }
+    if let Some(path) = &args.json {
+        write_json(path, &result)?;
+    }
+    if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
+        report::print_summary(&result, &film, &job.outputs, interrupted.load(Ordering::Relaxed));
+    }
+    DeviceArgs::report_validation(&gpu)
+}
+
+/// The outputs, each of which can be written.
+fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
+    let mut outputs = args.output.clone();
+    if outputs.is_empty() {
+        let stem = PathBuf::from(args.scene.scene.file_stem().unwrap_or_else(|| "image".as_ref()));
+        outputs = vec![stem.with_extension("exr"), stem.with_extension("png")];
+    }
+    for path in &outputs {
+        format_of(path)?;
+        check_writable(path)?;
+    }
+    let has_exr = outputs.iter().any(|path| matches!(format_of(path), Ok(Format::Exr)));
+    if !has_exr && (args.lengths.is_some() || !args.aov.is_empty()) {
+        return Err(Error::Usage(String::from(
+            "--lengths and --aov write layers of an EXR file: give an output that ends in .exr",
+        )));
+    }
+    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
+        check_writable(path)?;
+    }
+    Ok(outputs)
+}
+
+/// What the command line, then the scene, then the defaults ask for.
+fn settle(
+    args: &RenderArgs,
+    scene: &Scene,
+    gpu: &Gpu,
+    asked: Option<Technique>,
+    outputs: Vec<PathBuf>,
+) -> Result<(Settings, Job)> {
+    let mut technique = match (asked, &scene.technique.integrator) {
+        (Some(technique), _) => technique,
+        (None, Some((name, parameters))) => {
+            let mut technique = Technique::parse(name)?;
+            parameters.iter().try_for_each(|(name, value)| technique.set(name, value))?;
+            technique
+        }
+        (None, None) => Technique::parse("path")?,
+    };
+    if let Some(q) = &args.rr_q {
+        technique.set("q", q)?;
+    }
+    let mut settings = Settings::new(scene, technique, choose_backend(&args.backend, gpu)?);
+    if let Some((width, height)) = args.size {
+        (settings.width, settings.height) = (width, height);
+    }
+    scene.camera(args.camera.as_deref())?;
+    settings.camera.clone_from(&args.camera);
+    settings.seed = args.seed;
+    if let Some(Depth(depth)) = args.max_depth {
+        settings.max_depth = depth;
+    }
+    settings.rr_depth = args.rr_depth.unwrap_or(settings.rr_depth);
+    settings.lengths = match args.lengths {
+        None => 0,
+        Some(0) => settings.max_depth.unwrap_or(DEFAULT_LENGTHS).clamp(1, DEFAULT_LENGTHS),
+        Some(count) => count,
+    };
+    let spp = match args.time {
+        Some(_) => u32::MAX,
+        None => args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP),
+    };
+    settings.expected_samples = match args.time {
+        Some(seconds) if seconds < 2.0 => 0,
+        Some(_) => u64::MAX,
+        None => u64::from(settings.width) * u64::from(settings.height) * u64::from(spp),
+    };
+    Ok((settings, Job { outputs, spp, time: args.time }))
+}
+
+fn has_delta_lights(scene: &Scene) -> bool {
+    scene.lights.iter().any(|light| matches!(light.kind, LIGHT_POINT | LIGHT_SPOT | LIGHT_DIRECTIONAL))
+}
+
+/// A flag that Ctrl-C and SIGTERM set: what was rendered is kept. The second one ends the process at once.
+fn listen_for_interrupts() -> Arc<AtomicBool> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = interrupted.clone();
+    // Without a handler an interrupt ends the process, which loses the image but nothing else.
+    let _ = ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    interrupted
+}
+
+/// Writes a value as JSON to a file, or to standard output where the path is `-`.
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Error::write(path, error))?;
+    if path == Path::new("-") {
+        super::print(&text);
+        return Ok(());
+    }
+    replace_file(path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
+}

@@ -1,0 +1,165 @@
+//! What a rendering came to: the JSON object, the EXR header, the summary.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use lumbre::film::{BadSample, Film, Image};
+use lumbre::gpu::Gpu;
+use lumbre::output::{NamedLayer, Picture};
+use lumbre::render::Renderer;
+use lumbre::scene::Scene;
+
+use super::super::print;
+
+/// The JSON object of `lumbre render`; its keys are a contract.
+#[derive(Serialize)]
+pub(super) struct Report {
+    schema: &'static str,
+    scene: String,
+    integrator: String,
+    backend: &'static str,
+    device: String,
+    driver: String,
+    width: u32,
+    height: u32,
+    spp: u64,
+    seed: u32,
+    max_depth: i64,
+    rr_depth: u32,
+    filter: String,
+    rays: u64,
+    seconds: Seconds,
+    mrays_per_s: f64,
+    samples_per_s: f64,
+    nonfinite: u64,
+    nonfinite_at: Vec<BadSample>,
+    mean: [f64; 3],
+    peak_device_bytes: u64,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    compile: f64,
+    render: f64,
+    device: f64,
+    total: f64,
+}
+
+impl Report {
+    pub fn new(scene: &Scene, gpu: &Gpu, renderer: &Renderer, film: &Film, load: f64, started: Instant) -> Self {
+        let settings = renderer.settings();
+        let took = renderer.seconds();
+        let samples: u64 = film.counts.iter().sum();
+        let render = took.render.max(1e-9);
+        Self {
+            schema: "lumbre-render-1",
+            scene: scene.source.display().to_string(),
+            integrator: settings.technique.describe(),
+            backend: settings.backend.name(),
+            device: gpu.survey().name.clone(),
+            driver: gpu.survey().driver.clone(),
+            width: settings.width,
+            height: settings.height,
+            spp: film.spp(),
+            seed: settings.seed,
+            max_depth: settings.max_depth.map_or(-1, i64::from),
+            rr_depth: settings.rr_depth,
+            filter: format!("{:?}", settings.filter),
+            rays: renderer.rays(),
+            seconds: Seconds {
+                load,
+                build: took.build,
+                compile: took.compile,
+                render: took.render,
+                device: took.device,
+                total: started.elapsed().as_secs_f64(),
+            },
+            mrays_per_s: renderer.rays() as f64 / render / 1e6,
+            samples_per_s: samples as f64 / render,
+            nonfinite: film.nonfinite,
+            nonfinite_at: film.bad_samples.clone(),
+            mean: film.average(),
+            peak_device_bytes: gpu.peak_bytes(),
+        }
+    }
+
+    /// Every setting and figure, for the EXR header.
+    fn header(&self) -> Vec<(String, String)> {
+        let Ok(serde_json::Value::Object(fields)) = serde_json::to_value(self) else { return Vec::new() };
+        let text = |value: serde_json::Value| match value {
+            serde_json::Value::String(text) => text,
+            other => other.to_string(),
+        };
+        fields.into_iter().map(|(name, value)| (format!("lumbre.{name}"), text(value))).collect()
+    }
+}
+
+/// The image with the layers that were asked for.
+pub(super) fn picture(film: &Film, report: &Report, aovs: &[String]) -> Picture {
+    let mut layers = Vec::new();
+    let count = film.lengths.len();
+    for layer in 0..count {
+        let open_ended = layer + 1 == count && report.max_depth != count as i64;
+        let name = format!("length{:02}{}", layer + 1, if open_ended { "plus" } else { "" });
+        layers.push(NamedLayer { name, image: film.length(layer) });
+    }
+    for aov in aovs {
+        let image = match aov.as_str() {
+            "variance" => film.mean_variance(),
+            _ => Image {
+                width: film.width,
+                height: film.height,
+                pixels: film.counts.iter().map(|count| [*count as f32; 3]).collect(),
+            },
+        };
+        layers.push(NamedLayer { name: aov.clone(), image });
+    }
+    Picture { image: film.mean(), layers, header: report.header() }
+}
+
+pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], interrupted: bool) {
+    if interrupted {
+        print("interrupted: what was rendered is kept");
+    }
+    let depth = if report.max_depth < 0 { String::from("no limit") } else { report.max_depth.to_string() };
+    print(&format!("scene      {}, {}x{}", report.scene, report.width, report.height));
+    print(&format!(
+        "technique  {} on {}, {} spp, depth {depth}, seed {}",
+        report.integrator, report.backend, report.spp, report.seed
+    ));
+    print(&format!("device     {} ({})", report.device, report.driver));
+    let s = &report.seconds;
+    print(&format!(
+        "seconds    {:.3} (load {:.3}, build {:.3}, compile {:.3}, render {:.3})",
+        s.total, s.load, s.build, s.compile, s.render
+    ));
+    print(&format!("speed      {:.3} Msamples/s, {:.2} Mrays/s", report.samples_per_s / 1e6, report.mrays_per_s));
+    let [r, g, b] = report.mean;
+    let error =
+        if report.spp < 2 { String::from("unknown from one sample") } else { format!("{:.3}", relative_error(film)) };
+    print(&format!("mean       {r:.6} {g:.6} {b:.6}, relative standard error of a pixel {error}"));
+    if report.nonfinite > 0 {
+        let first = report
+            .nonfinite_at
+            .first()
+            .map_or(String::new(), |bad| format!("; the first at pixel ({}, {}), sample {}", bad.x, bad.y, bad.sample));
+        print(&format!("nonfinite  {} samples were dropped{first}", report.nonfinite));
+    }
+    if report.spp == 0 {
+        print("warning    the time was too short for one sample per pixel: part of the image is black");
+    }
+    let written: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
+    print(&format!("wrote      {}", written.join(", ")));
+}
+
+/// The root of the mean over pixels of the mean's variance over its square, as the film estimates it.
+fn relative_error(film: &Film) -> f64 {
+    let (mean, variance) = (film.mean(), film.mean_variance());
+    let terms = mean.pixels.iter().flatten().zip(variance.pixels.iter().flatten());
+    let sum: f64 = terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + 1e-2)).sum();
+    (sum / (3 * mean.pixels.len().max(1)) as f64).sqrt()
+}

@@ -1,0 +1,161 @@
+//! What can go wrong, each with a message of one line that names the file, the element, the device or the result at
+//! fault, and says what is valid.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// The result of anything in this crate that can fail.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What went wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The command asks for something that does not exist or makes no sense.
+    #[error("{0}")]
+    Usage(String),
+
+    /// A scene file, or a file that it names, is wrong.
+    #[error("{}{}: {message}", file.display(), place)]
+    Scene {
+        /// The file at fault.
+        file: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong and what is valid.
+        message: String,
+    },
+
+    /// A file could not be read or written.
+    #[error("cannot {doing} {}: {cause}", file.display())]
+    File {
+        /// `read`, `write`, ...
+        doing: &'static str,
+        /// The file.
+        file: PathBuf,
+        /// The system's reason.
+        cause: String,
+    },
+
+    /// No device of this machine can do what is asked.
+    #[error("{0}")]
+    Device(String),
+
+    /// A Vulkan call failed.
+    #[error("Vulkan failed to {doing}: {code}")]
+    Vulkan {
+        /// What was being done, and with what.
+        doing: String,
+        /// The `VkResult`.
+        code: String,
+    },
+
+    /// The device has no room.
+    #[error("out of device memory: {what} needs {}, and {} are in use{limit}", Bytes(*needs), Bytes(*in_use))]
+    OutOfMemory {
+        /// The name of what was to be allocated.
+        what: String,
+        /// Its size in bytes.
+        needs: u64,
+        /// Bytes that lumbre holds on the device.
+        in_use: u64,
+        /// The limit that was met, as text that ends the message.
+        limit: String,
+    },
+
+    /// The device stopped answering.
+    #[error("the device {device} was lost during {pass}: {work}")]
+    DeviceLost {
+        /// The device's name.
+        device: String,
+        /// The pass that ran.
+        pass: String,
+        /// What it was given to do.
+        work: String,
+    },
+
+    /// A Vulkan validation message, where validation was asked for.
+    #[error("Vulkan validation: {0}")]
+    Validation(String),
+}
+
+impl Error {
+    /// The process's exit status: 2 where the command or the scene is wrong, 1 where the work failed.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Error::Usage(_) | Error::Scene { .. } | Error::File { doing: "read", .. } => 2,
+            _ => 1,
+        }
+    }
+
+    /// An error about a file as a whole.
+    pub fn scene(file: &Path, message: impl Into<String>) -> Self {
+        Error::Scene { file: file.to_owned(), place: Place::None, message: message.into() }
+    }
+
+    /// An error about one line of a file.
+    pub fn scene_line(file: &Path, line: u32, message: impl Into<String>) -> Self {
+        Error::Scene { file: file.to_owned(), place: Place::Line(line), message: message.into() }
+    }
+
+    /// A failure to read a file.
+    pub fn read(file: &Path, cause: impl fmt::Display) -> Self {
+        Error::File { doing: "read", file: file.to_owned(), cause: cause.to_string() }
+    }
+
+    /// A failure to write a file.
+    pub fn write(file: &Path, cause: impl fmt::Display) -> Self {
+        Error::File { doing: "write", file: file.to_owned(), cause: cause.to_string() }
+    }
+}
+
+/// Where in a file something is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    None,
+    /// A line, counted from 1.
+    Line(u32),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::None => Ok(()),
+            Place::Line(line) => write!(f, ":{line}"),
+        }
+    }
+}
+
+/// A number of bytes, shown in binary units.
+#[derive(Clone, Copy, Debug)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            0..1024 => write!(f, "{} B", self.0),
+            1024..1_048_576 => write!(f, "{:.1} KiB", self.0 as f64 / 1024.0),
+            1_048_576..1_073_741_824 => write!(f, "{:.1} MiB", self.0 as f64 / 1_048_576.0),
+            _ => write!(f, "{:.2} GiB", self.0 as f64 / 1_073_741_824.0),
+        }
+    }
+}
+
+/// "a, b and c", for messages that list what there is.
+pub fn all_of<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
+    join(names, "and")
+}
+
+/// "a, b or c", for messages that list what is valid.
+pub fn one_of<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
+    join(names, "or")
+}
+
+fn join<S: AsRef<str>>(names: impl IntoIterator<Item = S>, word: &str) -> String {
+    let names: Vec<String> = names.into_iter().map(|name| name.as_ref().to_owned()).collect();
+    match names.split_last() {
+        None => String::from("nothing"),
+        Some((only, [])) => only.clone(),
+        Some((last, rest)) => format!("{} {word} {last}", rest.join(", ")),
+    }
+}

@@ -1,0 +1,135 @@
+//! The film on the host: sums per pixel, and what follows from them.
+
+use crate::layout::FilmPixel;
+
+/// Sums of the samples of each pixel, row by row from the upper left.
+#[derive(Clone, Debug, Default)]
+pub struct Film {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Samples of each pixel. They differ by the last pass only, where that was cut short.
+    pub counts: Vec<u64>,
+    /// Sum of the samples.
+    pub sums: Vec<[f64; 3]>,
+    /// Sum of their squares.
+    pub squares: Vec<[f64; 3]>,
+    /// Sums by path length (index 0: one segment), where they were asked for.
+    pub lengths: Vec<Vec<[f64; 3]>>,
+    /// Samples that were not finite and were dropped.
+    pub nonfinite: u64,
+    /// Where the first of them were.
+    pub bad_samples: Vec<BadSample>,
+}
+
+/// A sample that was not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+pub struct BadSample {
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+    /// Sample index within the pixel.
+    pub sample: u32,
+}
+
+/// An image of linear RGB, row by row from the upper left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// One colour per pixel.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Film {
+    /// Takes over the sums that the device kept as a float and its low part.
+    pub(crate) fn from_device(
+        width: u32,
+        height: u32,
+        counts: Vec<u64>,
+        pixels: &[FilmPixel],
+        layers: &[[f32; 3]],
+        layer_count: usize,
+    ) -> Self {
+        let pair = |high: [f32; 3], low: [f32; 3]| {
+            std::array::from_fn(|channel| f64::from(high[channel]) + f64::from(low[channel]))
+        };
+        let lengths = (0..layer_count)
+            .map(|layer| {
+                layers.chunks_exact(2 * layer_count).map(|pixel| pair(pixel[2 * layer], pixel[2 * layer + 1])).collect()
+            })
+            .collect();
+        Self {
+            width,
+            height,
+            counts,
+            sums: pixels.iter().map(|pixel| pair(pixel.sum, pixel.sum_low)).collect(),
+            squares: pixels.iter().map(|pixel| pair(pixel.squares, pixel.squares_low)).collect(),
+            lengths,
+            nonfinite: 0,
+            bad_samples: Vec::new(),
+        }
+    }
+
+    fn per_pixel(&self, value: impl Fn(usize) -> [f64; 3]) -> Image {
+        let pixels = (0..self.counts.len()).map(|pixel| value(pixel).map(|channel| channel as f32)).collect();
+        Image { width: self.width, height: self.height, pixels }
+    }
+
+    /// The image. With layers by path length it is their sum, rounded once, so that adding the layers up gives exactly it.
+    pub fn mean(&self) -> Image {
+        if self.lengths.is_empty() {
+            return self.per_pixel(|pixel| self.sums[pixel].map(|sum| sum / self.counts[pixel].max(1) as f64));
+        }
+        let layers: Vec<Image> = (0..self.lengths.len()).map(|layer| self.length(layer)).collect();
+        self.per_pixel(|pixel| {
+            std::array::from_fn(|channel| layers.iter().map(|layer| f64::from(layer.pixels[pixel][channel])).sum())
+        })
+    }
+
+    /// What paths of `layer + 1` segments bring; the last layer holds all longer ones too.
+    pub fn length(&self, layer: usize) -> Image {
+        self.per_pixel(|pixel| self.lengths[layer][pixel].map(|sum| sum / self.counts[pixel].max(1) as f64))
+    }
+
+    /// The unbiased estimate of the variance of one sample, per pixel and channel; 0 below two samples.
+    pub fn sample_variance(&self) -> Image {
+        self.per_pixel(|pixel| {
+            let n = self.counts[pixel] as f64;
+            std::array::from_fn(|channel| {
+                let (sum, squares) = (self.sums[pixel][channel], self.squares[pixel][channel]);
+                if n < 2.0 { 0.0 } else { ((squares - sum * sum / n) / (n - 1.0)).max(0.0) }
+            })
+        })
+    }
+
+    /// The variance of each pixel's mean: that of one sample over their number.
+    pub fn mean_variance(&self) -> Image {
+        let variance = self.sample_variance();
+        self.per_pixel(|pixel| {
+            variance.pixels[pixel].map(|channel| f64::from(channel) / self.counts[pixel].max(1) as f64)
+        })
+    }
+
+    /// The fewest samples that any pixel has.
+    pub fn spp(&self) -> u64 {
+        self.counts.iter().copied().min().unwrap_or(0)
+    }
+
+    /// The average over all pixels, per channel.
+    pub fn average(&self) -> [f64; 3] {
+        self.mean().average()
+    }
+}
+
+impl Image {
+    /// The average over all pixels, per channel.
+    pub fn average(&self) -> [f64; 3] {
+        let count = self.pixels.len().max(1) as f64;
+        std::array::from_fn(|channel| self.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
+    }
+}

@@ -1,0 +1,185 @@
+//! Device memory: buffers, uploads through staging, and readback.
+
+use ash::vk;
+use bytemuck::Pod;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+
+use super::device::Gpu;
+use crate::error::{Bytes, Error, Result};
+
+/// Bytes that one staging copy moves: bounds the host memory of an upload of any size.
+const STAGING_BYTES: u64 = 32 << 20;
+
+/// A buffer on the device, reached by its address. Freed when dropped.
+pub struct Buffer {
+    gpu: Gpu,
+    pub(super) raw: vk::Buffer,
+    allocation: Option<Allocation>,
+    size: u64,
+    address: u64,
+    name: String,
+    counted: bool,
+}
+
+impl Buffer {
+    /// An uninitialised buffer of `size` bytes (at least four are allocated) in the device's own memory.
+    pub fn new(gpu: &Gpu, name: &str, size: u64) -> Result<Self> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::UNIFORM_BUFFER;
+        Self::with_usage(gpu, name, size, usage, MemoryLocation::GpuOnly)
+    }
+
+    /// A buffer that holds `data`.
+    pub fn with_data<T: Pod>(gpu: &Gpu, name: &str, data: &[T]) -> Result<Self> {
+        let buffer = Self::new(gpu, name, size_of_val(data) as u64)?;
+        buffer.upload(bytemuck::cast_slice(data))?;
+        Ok(buffer)
+    }
+
+    /// A buffer of `size` zero bytes.
+    pub fn zeroed(gpu: &Gpu, name: &str, size: u64) -> Result<Self> {
+        let buffer = Self::new(gpu, name, size)?;
+        buffer.clear()?;
+        Ok(buffer)
+    }
+
+    pub(super) fn with_usage(
+        gpu: &Gpu,
+        name: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        location: MemoryLocation,
+    ) -> Result<Self> {
+        let size = size.max(4).next_multiple_of(4);
+        let out_of_memory = |limit: String| Error::OutOfMemory {
+            what: format!("'{name}'"),
+            needs: size,
+            in_use: gpu.bytes_in_use(),
+            limit,
+        };
+        let max = gpu.limits().max_allocation;
+        if size > max {
+            return Err(out_of_memory(format!("; one allocation may have {} on this device", Bytes(max))));
+        }
+        let usage = usage
+            | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let info = vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
+        let device = &gpu.shared.raw;
+        // SAFETY: the device is alive and the size is not zero.
+        let raw =
+            unsafe { device.create_buffer(&info, None) }.map_err(gpu.failed(format!("create the buffer '{name}'")))?;
+        // From here on, dropping `buffer` frees what there is.
+        let mut buffer =
+            Self { gpu: gpu.clone(), raw, allocation: None, size, address: 0, name: name.to_owned(), counted: false };
+        // SAFETY: the buffer is alive.
+        let requirements = unsafe { device.get_buffer_memory_requirements(raw) };
+        let allocation = gpu
+            .with_allocator(|allocator| {
+                allocator.allocate(&AllocationCreateDesc {
+                    name,
+                    requirements,
+                    location,
+                    linear: true,
+                    allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+                })
+            })
+            .ok_or_else(|| Error::Device(String::from("the device is being closed")))?
+            .map_err(|error| out_of_memory(format!(" ({error})")))?;
+        // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
+        let bound = unsafe { device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        buffer.allocation = Some(allocation);
+        bound.map_err(gpu.failed(format!("bind memory to '{name}'")))?;
+        // SAFETY: the buffer has memory and was created with SHADER_DEVICE_ADDRESS.
+        buffer.address =
+            unsafe { device.get_buffer_device_address(&vk::BufferDeviceAddressInfo::default().buffer(raw)) };
+        buffer.counted = location == MemoryLocation::GpuOnly;
+        if buffer.counted {
+            gpu.count_allocation(size);
+        }
+        gpu.name(raw, name);
+        Ok(buffer)
+    }
+
+    /// Its address on the device.
+    pub fn address(&self) -> u64 {
+        self.address
+    }
+
+    /// Its size in bytes.
+    pub fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// Writes `data` to its beginning.
+    pub fn upload(&self, data: &[u8]) -> Result<()> {
+        if data.is_empty() {
+            return Ok(());
+        }
+        let chunk = STAGING_BYTES.min(data.len() as u64);
+        let mut staging = Self::with_usage(
+            &self.gpu,
+            "staging for upload",
+            chunk,
+            vk::BufferUsageFlags::empty(),
+            MemoryLocation::CpuToGpu,
+        )?;
+        for (index, part) in data.chunks(chunk as usize).enumerate() {
+            staging.mapped()?[..part.len()].copy_from_slice(part);
+            let region = vk::BufferCopy::default().dst_offset(index as u64 * chunk).size(part.len() as u64);
+            self.gpu.transfer(&format!("upload of '{}'", self.name), &staging, self, region)?;
+        }
+        Ok(())
+    }
+
+    /// Its first `count` elements.
+    pub fn read<T: Pod>(&self, count: usize) -> Result<Vec<T>> {
+        let mut out = vec![T::zeroed(); count];
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut out);
+        if bytes.is_empty() {
+            return Ok(out);
+        }
+        let chunk = STAGING_BYTES.min(bytes.len() as u64);
+        let mut staging = Self::with_usage(
+            &self.gpu,
+            "staging for readback",
+            chunk,
+            vk::BufferUsageFlags::empty(),
+            MemoryLocation::GpuToCpu,
+        )?;
+        for (index, part) in bytes.chunks_mut(chunk as usize).enumerate() {
+            let region = vk::BufferCopy::default().src_offset(index as u64 * chunk).size(part.len() as u64);
+            self.gpu.transfer(&format!("readback of '{}'", self.name), self, &staging, region)?;
+            part.copy_from_slice(&staging.mapped()?[..part.len()]);
+        }
+        Ok(out)
+    }
+
+    /// Sets every byte to zero.
+    pub fn clear(&self) -> Result<()> {
+        self.gpu.clear(self)
+    }
+
+    fn mapped(&mut self) -> Result<&mut [u8]> {
+        let name = &self.name;
+        self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).ok_or_else(|| Error::Vulkan {
+            doing: format!("map '{name}'"),
+            code: String::from("the memory is not visible to the host"),
+        })
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: nothing on the queue uses it: every submission is waited for before the call that made it returns.
+        unsafe { self.gpu.shared.raw.destroy_buffer(self.raw, None) };
+        if let Some(allocation) = self.allocation.take() {
+            // A failure here means that the allocator's own books are wrong; there is nobody to tell.
+            let _ = self.gpu.with_allocator(|allocator| allocator.free(allocation));
+        }
+        if self.counted {
+            self.gpu.count_free(self.size);
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Vulkan: the only home of ash and of `unsafe`.
+//!
+//! [`Instance`] finds the devices, [`Gpu`] is one of them made ready, and everything that lives on it ([`Buffer`],
+//! [`Pipeline`], [`accel`]) holds it alive and frees itself. Handles never leave this module.
+
+pub mod accel;
+mod buffer;
+mod device;
+mod frame;
+mod instance;
+mod pipeline;
+mod survey;
+
+pub use buffer::Buffer;
+pub use device::{Gpu, Limits};
+pub use frame::{Commands, Work};
+pub use instance::Instance;
+pub use pipeline::{Bindings, Pipeline, module};
+pub use survey::{DeviceKind, Survey};

@@ -1,0 +1,180 @@
+//! Compute pipelines: a compiled module, its specialisation, and the one descriptor set that it reads.
+
+use ash::vk;
+
+use super::accel::Tlas;
+use super::buffer::Buffer;
+use super::device::Gpu;
+use crate::error::{Error, Result};
+use crate::layout;
+
+mod generated {
+    include!(concat!(env!("OUT_DIR"), "/modules.rs"));
+}
+
+/// The SPIR-V that `build.rs` made of a technique's pass for a backend (`path.pixels.bvh`), or of a test kernel
+/// (`test/trace.bvh`).
+pub fn module(name: &str) -> Result<&'static [u8]> {
+    let found = generated::MODULES.iter().find(|(module, _)| *module == name);
+    found
+        .map(|(_, spirv)| *spirv)
+        .ok_or_else(|| Error::Usage(format!("no shader '{name}' was compiled into this program")))
+}
+
+/// A compute pipeline. Freed when dropped.
+pub struct Pipeline {
+    gpu: Gpu,
+    pub(super) raw: vk::Pipeline,
+    pub(super) layout: vk::PipelineLayout,
+    set_layout: vk::DescriptorSetLayout,
+}
+
+/// What a pipeline's descriptor set points to. Freed when dropped.
+pub struct Bindings {
+    gpu: Gpu,
+    pool: vk::DescriptorPool,
+    pub(super) set: vk::DescriptorSet,
+}
+
+/// The binding numbers and kinds of a set, with or without an acceleration structure.
+fn binding_kinds(has_tlas: bool) -> Vec<(u32, vk::DescriptorType)> {
+    let mut kinds = vec![(layout::BINDING_SCENE, vk::DescriptorType::UNIFORM_BUFFER)];
+    if has_tlas {
+        kinds.push((layout::BINDING_TLAS, vk::DescriptorType::ACCELERATION_STRUCTURE_KHR));
+    }
+    kinds
+}
+
+impl Pipeline {
+    /// Makes a pipeline of the module `name`. `specialisation` holds (constant_id, 32-bit pattern).
+    pub fn new(gpu: &Gpu, name: &str, specialisation: &[(u32, u32)], has_tlas: bool) -> Result<Self> {
+        let device = &gpu.shared.raw;
+        let words = ash::util::read_spv(&mut std::io::Cursor::new(module(name)?))
+            .map_err(|error| Error::Vulkan { doing: format!("read the shader {name}"), code: error.to_string() })?;
+        let bindings: Vec<_> = binding_kinds(has_tlas)
+            .into_iter()
+            .map(|(binding, kind)| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(binding)
+                    .descriptor_type(kind)
+                    .descriptor_count(1)
+                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
+            })
+            .collect();
+        let mut new = Self {
+            gpu: gpu.clone(),
+            raw: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+        };
+        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: the device is alive; `new` frees what was created, also on the way out of an error.
+        new.set_layout = unsafe { device.create_descriptor_set_layout(&set_info, None) }
+            .map_err(gpu.failed(format!("create the descriptor layout of {name}")))?;
+        gpu.name(new.set_layout, name);
+
+        let set_layouts = [new.set_layout];
+        let ranges = [vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::COMPUTE)
+            .size(size_of::<layout::FrameConstants>() as u32)];
+        let layout_info =
+            vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(&ranges);
+        // SAFETY: as above.
+        new.layout = unsafe { device.create_pipeline_layout(&layout_info, None) }
+            .map_err(gpu.failed(format!("create the pipeline layout of {name}")))?;
+        gpu.name(new.layout, name);
+
+        // SAFETY: as above; the module is no longer needed once the pipeline is made of it, or could not be.
+        let module = unsafe { device.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&words), None) }
+            .map_err(gpu.failed(format!("load the shader {name}")))?;
+        gpu.name(module, name);
+        let entries: Vec<_> = (0u32..)
+            .zip(specialisation)
+            .map(|(index, (id, _))| vk::SpecializationMapEntry::default().constant_id(*id).offset(4 * index).size(4))
+            .collect();
+        let data: Vec<u32> = specialisation.iter().map(|(_, word)| *word).collect();
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&data));
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(c"main")
+            .specialization_info(&special);
+        let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(new.layout)];
+        // SAFETY: everything that `info` points to lives through the call.
+        let made = unsafe { device.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        // SAFETY: see above.
+        unsafe { device.destroy_shader_module(module, None) };
+        let made =
+            made.map_err(|(_, code)| code).map_err(gpu.failed(format!("make a pipeline of the shader {name}")))?;
+        new.raw = made[0];
+        gpu.name(new.raw, name);
+        Ok(new)
+    }
+
+    /// A descriptor set for this pipeline, and for every other one with the same bindings.
+    pub fn bind(&self, uniforms: &Buffer, tlas: Option<&Tlas>) -> Result<Bindings> {
+        let device = &self.gpu.shared.raw;
+        let sizes: Vec<_> = binding_kinds(tlas.is_some())
+            .into_iter()
+            .map(|(_, kind)| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(1))
+            .collect();
+        let pool_info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        let mut bindings =
+            Bindings { gpu: self.gpu.clone(), pool: vk::DescriptorPool::null(), set: vk::DescriptorSet::null() };
+        // SAFETY: the device is alive; `bindings` frees the pool, and the set with it.
+        bindings.pool = unsafe { device.create_descriptor_pool(&pool_info, None) }
+            .map_err(self.gpu.failed("create a descriptor pool"))?;
+        self.gpu.name(bindings.pool, "scene bindings");
+        let layouts = [self.set_layout];
+        let set_info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(bindings.pool).set_layouts(&layouts);
+        // SAFETY: the pool has room for exactly this set.
+        let sets = unsafe { device.allocate_descriptor_sets(&set_info) }
+            .map_err(self.gpu.failed("allocate a descriptor set"))?;
+        bindings.set = sets[0];
+        self.gpu.name(bindings.set, "scene bindings");
+
+        let uniform_info = [vk::DescriptorBufferInfo::default().buffer(uniforms.raw).range(vk::WHOLE_SIZE)];
+        let mut writes = vec![
+            vk::WriteDescriptorSet::default()
+                .dst_set(bindings.set)
+                .dst_binding(layout::BINDING_SCENE)
+                .descriptor_type(vk::DescriptorType::UNIFORM_BUFFER)
+                .buffer_info(&uniform_info),
+        ];
+        let structures: Vec<_> = tlas.iter().map(|tlas| tlas.raw()).collect();
+        let mut structure_info =
+            vk::WriteDescriptorSetAccelerationStructureKHR::default().acceleration_structures(&structures);
+        if tlas.is_some() {
+            writes.push(
+                vk::WriteDescriptorSet::default()
+                    .dst_set(bindings.set)
+                    .dst_binding(layout::BINDING_TLAS)
+                    .descriptor_type(vk::DescriptorType::ACCELERATION_STRUCTURE_KHR)
+                    .descriptor_count(1)
+                    .push_next(&mut structure_info),
+            );
+        }
+        // SAFETY: the set is not in use, and what it is made to point to outlives its use (the renderer owns them all).
+        unsafe { device.update_descriptor_sets(&writes, &[]) };
+        Ok(bindings)
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        let device = &self.gpu.shared.raw;
+        // SAFETY: nothing on the queue uses them (every submission is waited for); null handles are allowed.
+        unsafe {
+            device.destroy_pipeline(self.raw, None);
+            device.destroy_pipeline_layout(self.layout, None);
+            device.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
+impl Drop for Bindings {
+    fn drop(&mut self) {
+        // SAFETY: as for pipelines.
+        unsafe { self.gpu.shared.raw.destroy_descriptor_pool(self.pool, None) };
+    }
+}

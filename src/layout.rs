@@ -1,0 +1,530 @@
+//! Every struct, constant and binding that the host and the shaders share, from one source.
+//!
+//! `build.rs` includes this file, writes [`glsl`] to `generated/layout.glsl`, and each shader includes that; so a field
+//! that is added here exists on both sides or on neither. `tests/layout.rs` reads the compiled SPIR-V back and compares
+//! each member's offset with the host's.
+//!
+//! Rules: scalar block layout; each shared struct has alignment 4, so that it has no padding on either side; a device
+//! address is a [`uvec2`] (low word, high word); lengths in scene units, angles in radians, radiance in W/(m² sr) per
+//! colour channel (linear sRGB primaries).
+
+#![allow(non_camel_case_types)]
+
+/// A GLSL `float`.
+pub type float = f32;
+/// A GLSL `uint`.
+pub type uint = u32;
+/// A GLSL `vec2`.
+pub type vec2 = [f32; 2];
+/// A GLSL `vec3`, 12 bytes under scalar layout.
+pub type vec3 = [f32; 3];
+/// A GLSL `vec4`.
+pub type vec4 = [f32; 4];
+/// A GLSL `uvec2`; also a 64-bit device address, low word first.
+pub type uvec2 = [u32; 2];
+
+/// A 64-bit device address as the shared structs hold it.
+pub const fn address(value: u64) -> uvec2 {
+    [value as u32, (value >> 32) as u32]
+}
+
+/// One member of a shared struct, as the host lays it out.
+#[derive(Clone, Copy, Debug)]
+pub struct Member {
+    /// The member's name, the same on both sides.
+    pub name: &'static str,
+    /// Bytes from the start of the struct.
+    pub offset: usize,
+}
+
+/// One shared struct: its GLSL text and the host's layout of it.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedStruct {
+    /// The struct's name, the same on both sides.
+    pub name: &'static str,
+    /// Bytes of one element of an array of it.
+    pub size: usize,
+    /// Its members in order.
+    pub members: &'static [Member],
+    /// Its declaration in GLSL.
+    pub glsl: &'static str,
+}
+
+macro_rules! shared_structs {
+    ($(
+        $(#[doc = $doc:literal])*
+        pub struct $name:ident { $( $(#[doc = $member_doc:literal])* $member:ident : $kind:ident ),* $(,)? }
+    )*) => {
+        $(
+            $(#[doc = $doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+            pub struct $name { $( $(#[doc = $member_doc])* pub $member: $kind ),* }
+            const _: () = assert!(align_of::<$name>() == 4, "a shared struct has alignment 4");
+        )*
+
+        /// Every shared struct, in the order of declaration.
+        pub const STRUCTS: &[SharedStruct] = &[$(
+            SharedStruct {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                members: &[$( Member { name: stringify!($member), offset: std::mem::offset_of!($name, $member) } ),*],
+                glsl: concat!(
+                    "struct ", stringify!($name), " {\n",
+                    $( "    ", stringify!($kind), " ", stringify!($member), ";\n", )*
+                    "};\n"
+                ),
+            },
+        )*];
+    };
+}
+
+shared_structs! {
+    /// A triangle, or a sphere where `surface` has [`SPHERE_BIT`]: then `v0` is its centre and `v1[0]` its radius.
+    /// Positions are in the space of the group that holds it.
+    pub struct Primitive {
+        /// First vertex, or the centre of a sphere.
+        v0: vec3,
+        /// Second vertex, or (radius, 0, 0).
+        v1: vec3,
+        /// Third vertex.
+        v2: vec3,
+        /// Index into the surfaces, with [`SPHERE_BIT`] and [`SMOOTH_BIT`] on top.
+        surface: uint,
+    }
+
+    /// Where a triangle's vertex attributes lie: indices into the vertex normals and texture coordinates.
+    pub struct Corners {
+        /// The first vertex.
+        i0: uint,
+        /// The second vertex.
+        i1: uint,
+        /// The third vertex.
+        i2: uint,
+    }
+
+    /// What a primitive is made of and what it emits.
+    pub struct Surface {
+        /// Material of the side that the normal points to, or [`NONE`], which reflects nothing.
+        front: uint,
+        /// Material of the other side, or [`NONE`]. Its frame is turned round, so it too sees light from above.
+        back: uint,
+        /// Emitted radiance of the front side, W/(m² sr).
+        emission: vec3,
+        /// Density with which light selection and sampling pick a point of it: per area (1/m²) on triangles; on a sphere
+        /// the probability of picking that sphere, whose points are then picked by solid angle.
+        light_density: float,
+    }
+
+    /// The parameters of one BSDF; which of them count depends on `kind`.
+    pub struct Material {
+        /// One of the `MATERIAL_*` constants.
+        kind: uint,
+        /// [`MASKING_CORRELATED`] or 0.
+        flags: uint,
+        /// GGX roughness along the first tangent.
+        alpha_u: float,
+        /// GGX roughness along the second tangent.
+        alpha_v: float,
+        /// Index of refraction of the inside over that of the outside.
+        eta: float,
+        /// Albedo of a diffuse material; factor on specular reflection elsewhere.
+        reflectance: vec3,
+        /// Factor on specular transmission.
+        transmittance: vec3,
+        /// Real part of a conductor's index of refraction, over that of the outside.
+        conductor_eta: vec3,
+        /// Imaginary part of it.
+        conductor_k: vec3,
+    }
+
+    /// One entry of the light table; what its members mean depends on `kind`.
+    pub struct Light {
+        /// One of the `LIGHT_*` constants.
+        kind: uint,
+        /// Triangle: first vertex. Sphere: centre. Point, spot: position.
+        position: vec3,
+        /// Triangle: second vertex. Sphere: (radius, 0, 0). Spot, directional: unit direction in which light travels.
+        v1: vec3,
+        /// Triangle: third vertex. Spot: (cut-off angle, beam width, 0).
+        v2: vec3,
+        /// Area lights: radiance, W/(m² sr). Point, spot: intensity, W/sr. Directional: irradiance, W/m².
+        radiance: vec3,
+        /// Probability of being selected.
+        probability: float,
+        /// Alias table (Walker 1977): probability of keeping this entry once it is drawn ...
+        keep: float,
+        /// ... and the entry to take instead.
+        alias: uint,
+    }
+
+    /// One placement of a group of primitives: an affine map and where the group's data begins.
+    pub struct Instance {
+        /// World from object, first row.
+        world0: vec4,
+        /// World from object, second row.
+        world1: vec4,
+        /// World from object, third row.
+        world2: vec4,
+        /// Object from world, first row.
+        object0: vec4,
+        /// Object from world, second row.
+        object1: vec4,
+        /// Object from world, third row.
+        object2: vec4,
+        /// `bvh`: the node at which the group's tree begins.
+        root: uint,
+        /// `ray-query`: the first primitive of the geometry that this instance places.
+        first_primitive: uint,
+    }
+
+    /// What stays the same through one rendering: the beginning of the uniform buffer at [`BINDING_SCENE`]. After it come
+    /// [`UNIFORM_SURFACES`] surfaces, [`UNIFORM_MATERIALS`] materials and [`UNIFORM_LIGHTS`] lights, for scenes that have
+    /// no more than that of a kind.
+    pub struct SceneUniforms {
+        /// Camera position.
+        camera_origin: vec3,
+        /// Direction through the corner (0, 0) of the image; not of unit length.
+        camera_corner: vec3,
+        /// Change of that direction per pixel to the right.
+        camera_dx: vec3,
+        /// Change of it per pixel down.
+        camera_dy: vec3,
+        /// Radiance of the constant background.
+        background: vec3,
+        /// Probability of selecting the background as the light to sample.
+        background_probability: float,
+        /// Device address of the `bvh` nodes (80 bytes each; instances first, then each group).
+        nodes: uvec2,
+        /// Device address of the [`Primitive`]s.
+        primitives: uvec2,
+        /// Device address of the [`Corners`], one per primitive; 0 where no mesh has vertex attributes.
+        corners: uvec2,
+        /// Device address of the vertex normals, three floats each.
+        normals: uvec2,
+        /// Device address of the [`Surface`]s.
+        surfaces: uvec2,
+        /// Device address of the [`Material`]s.
+        materials: uvec2,
+        /// Device address of the [`Light`]s.
+        lights: uvec2,
+        /// Device address of the [`Instance`]s.
+        instances: uvec2,
+        /// Device address of the pixel filter's table: [`FILTER_CELLS`] + 1 positions, then as many weights.
+        filter_table: uvec2,
+    }
+
+    /// What changes from one dispatch to the next: the push constants.
+    pub struct FrameConstants {
+        /// Device address of the [`FilmPixel`]s.
+        film: uvec2,
+        /// Device address of the per-length layers: for each pixel, `LENGTH_LAYERS` times six floats (sum, its low part).
+        lengths: uvec2,
+        /// Device address of the one [`Tally`].
+        tally: uvec2,
+        /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
+        first_slot: uint,
+        /// Slots of this dispatch.
+        slot_count: uint,
+        /// First sample of each pixel in this dispatch.
+        first_sample: uint,
+        /// Samples of each pixel in this dispatch.
+        sample_count: uint,
+        /// Width of the image in pixels.
+        width: uint,
+        /// Height of the image in pixels.
+        height: uint,
+        /// Seed of the random numbers.
+        seed: uint,
+    }
+
+    /// Sums over the samples of one pixel: a value is the sum of a float and its low part (Knuth's two-sum).
+    pub struct FilmPixel {
+        /// Sum of the samples.
+        sum: vec3,
+        /// Its low part.
+        sum_low: vec3,
+        /// Sum of their squares.
+        squares: vec3,
+        /// Its low part.
+        squares_low: vec3,
+    }
+
+    /// A sample that was not finite: where it was.
+    pub struct BadSample {
+        /// Pixel index, y * width + x.
+        pixel: uint,
+        /// Sample index within the pixel.
+        sample_index: uint,
+    }
+
+    /// Counters that the host reads and clears after every frame.
+    pub struct Tally {
+        /// Samples that were dropped because they were not finite; the first [`BAD_SAMPLES`] are listed after it.
+        bad_samples: uint,
+    }
+
+    /// A ray and what to report of it, for the kernels that tests and `lumbre rays` run.
+    pub struct RayRecord {
+        /// Origin.
+        origin: vec3,
+        /// Direction; distances are in units of its length.
+        direction: vec3,
+        /// Largest distance that counts.
+        t_max: float,
+    }
+
+    /// The answer to a [`RayRecord`].
+    pub struct HitRecord {
+        /// Distance in units of the direction's length, negative where nothing was hit.
+        t: float,
+        /// Primitive index, in the order of the uploaded primitives.
+        primitive: uint,
+        /// Instance index.
+        instance: uint,
+        /// Barycentric weight of the second vertex.
+        u: float,
+        /// Barycentric weight of the third vertex.
+        v: float,
+        /// 1 where `trace_any` found the ray blocked.
+        blocked: uint,
+    }
+}
+
+/// A constant with the same name and value on both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedConstant {
+    /// The constant's name.
+    pub name: &'static str,
+    /// Its value.
+    pub value: u32,
+}
+
+macro_rules! shared_constants {
+    ($( $(#[doc = $doc:literal])* pub const $name:ident = $value:expr; )*) => {
+        $( $(#[doc = $doc])* pub const $name: u32 = $value; )*
+        /// Every shared constant.
+        pub const CONSTANTS: &[SharedConstant] = &[$( SharedConstant { name: stringify!($name), value: $name } ),*];
+    };
+}
+
+shared_constants! {
+    /// No index.
+    pub const NONE = u32::MAX;
+    /// Flag on [`Primitive::surface`]: the primitive is a sphere.
+    pub const SPHERE_BIT = 0x8000_0000;
+    /// Flag on [`Primitive::surface`]: the triangle has vertex normals.
+    pub const SMOOTH_BIT = 0x4000_0000;
+    /// The bits of [`Primitive::surface`] that index the surfaces.
+    pub const SURFACE_MASK = 0x3fff_ffff;
+
+    /// Lambertian reflection.
+    pub const MATERIAL_DIFFUSE = 0;
+    /// A mirror of metal.
+    pub const MATERIAL_CONDUCTOR = 1;
+    /// A rough metal (GGX).
+    pub const MATERIAL_ROUGH_CONDUCTOR = 2;
+    /// Smooth glass.
+    pub const MATERIAL_DIELECTRIC = 3;
+    /// Rough glass (GGX).
+    pub const MATERIAL_ROUGH_DIELECTRIC = 4;
+
+    /// Flag on [`Material::flags`]: microfacets mask each other with correlated heights.
+    pub const MASKING_CORRELATED = 1;
+
+    /// A triangle that emits from its front.
+    pub const LIGHT_TRIANGLE = 0;
+    /// A sphere that emits outwards.
+    pub const LIGHT_SPHERE = 1;
+    /// An isotropic point.
+    pub const LIGHT_POINT = 2;
+    /// A point with a cone.
+    pub const LIGHT_SPOT = 3;
+    /// Parallel light from infinitely far.
+    pub const LIGHT_DIRECTIONAL = 4;
+
+    /// Descriptor binding of [`SceneUniforms`].
+    pub const BINDING_SCENE = 0;
+    /// Descriptor binding of the top-level acceleration structure (`ray-query` only).
+    pub const BINDING_TLAS = 1;
+
+    /// Surfaces that the uniform buffer has room for.
+    pub const UNIFORM_SURFACES = 16;
+    /// Materials that the uniform buffer has room for.
+    pub const UNIFORM_MATERIALS = 16;
+    /// Lights that the uniform buffer has room for.
+    pub const UNIFORM_LIGHTS = 8;
+
+    /// Threads of a workgroup; pixels go to it in tiles of 8 x 8.
+    pub const WORKGROUP = 64;
+    /// Cells of the pixel filter's table.
+    pub const FILTER_CELLS = 64;
+    /// Non-finite samples that are located; more are only counted.
+    pub const BAD_SAMPLES = 16;
+    /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.
+    pub const RAY_COUNTERS = 64;
+    /// The largest number of triangles that a kernel can hold as constants.
+    pub const INLINE_MAX = 48;
+    /// Bytes of one node of the compressed wide BVH.
+    pub const NODE_BYTES = 80;
+}
+
+/// One specialisation constant: chosen when a pipeline is made, a compile-time constant to the driver.
+#[derive(Clone, Copy, Debug)]
+pub struct SpecialisationConstant {
+    /// The constant's name in GLSL.
+    pub name: &'static str,
+    /// Its `constant_id`.
+    pub id: u32,
+    /// `bool`, `uint` or `float`.
+    pub kind: &'static str,
+}
+
+macro_rules! specialisation {
+    ($( $(#[doc = $doc:literal])* $id:literal $field:ident $name:ident : $kind:ident; )*) => {
+        /// The values of all specialisation constants except the inline geometry.
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        pub struct Specialisation { $( $(#[doc = $doc])* pub $field: $kind ),* }
+
+        /// Every specialisation constant except the inline geometry.
+        pub const SPECIALISATION: &[SpecialisationConstant] = &[$(
+            SpecialisationConstant { name: stringify!($name), id: $id, kind: stringify!($kind) }
+        ),*];
+
+        impl Specialisation {
+            /// The constants as (id, 32-bit pattern), which is what a pipeline takes.
+            pub fn words(&self) -> Vec<(u32, u32)> {
+                vec![$( ($id, self.$field.word()) ),*]
+            }
+        }
+    };
+}
+
+/// The 32-bit pattern of a specialisation constant.
+trait Word {
+    fn word(self) -> u32;
+}
+impl Word for bool {
+    fn word(self) -> u32 {
+        u32::from(self)
+    }
+}
+impl Word for uint {
+    fn word(self) -> u32 {
+        self
+    }
+}
+impl Word for float {
+    fn word(self) -> u32 {
+        self.to_bits()
+    }
+}
+
+specialisation! {
+    /// Some group is placed by an affine map, so traversal has two levels.
+    0 instances HAS_INSTANCES: bool;
+    /// Some primitive is a sphere.
+    1 spheres HAS_SPHERES: bool;
+    /// Some mesh has vertex normals.
+    2 normals HAS_NORMALS: bool;
+    /// Some surface has a material on its back.
+    3 back_materials HAS_BACK_MATERIALS: bool;
+    /// Some material is diffuse.
+    4 diffuse HAS_DIFFUSE: bool;
+    /// Some material is a smooth conductor.
+    5 conductor HAS_CONDUCTOR: bool;
+    /// Some material is a rough conductor.
+    6 rough_conductor HAS_ROUGH_CONDUCTOR: bool;
+    /// Some material is a smooth dielectric.
+    7 dielectric HAS_DIELECTRIC: bool;
+    /// Some material is a rough dielectric.
+    8 rough_dielectric HAS_ROUGH_DIELECTRIC: bool;
+    /// Some triangle emits.
+    9 triangle_lights HAS_TRIANGLE_LIGHTS: bool;
+    /// Some sphere emits.
+    10 sphere_lights HAS_SPHERE_LIGHTS: bool;
+    /// There is a point light.
+    11 point_lights HAS_POINT_LIGHTS: bool;
+    /// There is a spot light.
+    12 spot_lights HAS_SPOT_LIGHTS: bool;
+    /// There is a directional light.
+    13 directional_lights HAS_DIRECTIONAL_LIGHTS: bool;
+    /// The background emits.
+    14 background HAS_BACKGROUND: bool;
+    /// Entries of the light table.
+    15 light_count LIGHT_COUNT: uint;
+    /// The pixel filter is the unit box, which needs no table.
+    16 filter_box FILTER_IS_BOX: bool;
+    /// Layers by path length, 0 for none; the last one also takes every longer path.
+    17 length_layers LENGTH_LAYERS: uint;
+    /// Longest path in segments; `NONE` is no limit.
+    18 max_depth MAX_DEPTH: uint;
+    /// Segments after which Russian roulette may end a path.
+    19 rr_depth RR_DEPTH: uint;
+    /// Entries of the traversal stack.
+    20 stack_size STACK_SIZE: uint;
+    /// Read nodes and primitives in 64-bit words (faster on CPU devices) rather than in vectors of 32-bit words.
+    21 wide_loads WIDE_LOADS: bool;
+    /// Triangles that the kernel holds as constants; 0 reads them from memory through the BVH.
+    22 inline_count INLINE_COUNT: uint;
+    /// Surfaces of the scene.
+    28 surface_count SURFACE_COUNT: uint;
+    /// Materials of the scene.
+    29 material_count MATERIAL_COUNT: uint;
+    /// First parameter of the technique.
+    24 param0 PARAM0: uint;
+    /// Second parameter of the technique.
+    25 param1 PARAM1: uint;
+    /// Third parameter of the technique.
+    26 param2 PARAM2: uint;
+    /// Fourth parameter of the technique.
+    27 param3 PARAM3: uint;
+}
+
+/// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
+pub const INLINE_FIRST_ID: u32 = 100;
+
+/// The text of `generated/layout.glsl`.
+pub fn glsl() -> String {
+    let mut text = String::from("// Generated from src/layout.rs.\n\n");
+    for constant in CONSTANTS {
+        text += &format!("const uint {} = {}u;\n", constant.name, constant.value);
+    }
+    text.push('\n');
+    for constant in SPECIALISATION {
+        let default = if constant.kind == "bool" { "false" } else { "1" }; // 1: some are sizes of arrays
+        text +=
+            &format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
+    }
+    text.push('\n');
+    for shared in STRUCTS {
+        text += shared.glsl;
+        text.push('\n');
+    }
+    text
+}
+
+/// The text of `generated/inline.glsl`: `INLINE_TRIANGLES(visit)` calls `visit(index, v0, v1, v2)` for each triangle that
+/// the kernel holds as constants. Straight-line on purpose: a loop over constants is a loop over memory.
+pub fn inline_glsl() -> String {
+    let mut text = String::from("// Generated from src/layout.rs.\n\n");
+    for coordinate in 0..9 * INLINE_MAX {
+        text +=
+            &format!("layout(constant_id = {}) const float INLINE_{coordinate} = 0;\n", INLINE_FIRST_ID + coordinate);
+    }
+    text += "\n#define INLINE_TRIANGLES(visit)";
+    for triangle in 0..INLINE_MAX {
+        let vertex = |k: u32| {
+            let first = 9 * triangle + 3 * k;
+            format!("vec3(INLINE_{}, INLINE_{}, INLINE_{})", first, first + 1, first + 2)
+        };
+        text += &format!(
+            " \\\n    if (INLINE_COUNT > {triangle}u) visit({triangle}u, {}, {}, {})",
+            vertex(0),
+            vertex(1),
+            vertex(2)
+        );
+    }
+    text.push('\n');
+    text
+}

@@ -1,0 +1,215 @@
+//! Rendering: upload, specialise, iterate, film.
+//!
+//! A [`Renderer`] is one scene, technique and backend on one device. Each [`Renderer::advance`] is one frame: a
+//! submission of about a tenth of a second, so that drivers' watchdogs never fire, progress is smooth, and an interrupt
+//! is answered at once.
+
+mod frames;
+mod settings;
+mod upload;
+
+use std::time::{Duration, Instant};
+
+pub use settings::{Settings, Technique};
+
+use crate::backend::Backend;
+use crate::error::{Error, Result};
+use crate::film::{BadSample, Film};
+use crate::gpu::{Bindings, Buffer, Gpu, Pipeline};
+use crate::layout::{
+    BAD_SAMPLES, FilmPixel, FrameConstants, INLINE_FIRST_ID, NONE, RAY_COUNTERS, Specialisation, WORKGROUP, address,
+};
+use crate::scene::{Needs, Scene};
+use frames::FramePlan;
+pub use upload::Uploaded;
+
+/// Seconds that the parts of a rendering took.
+#[derive(Clone, Copy, Debug, Default, serde::Serialize)]
+pub struct Seconds {
+    /// Building the acceleration structure and uploading the scene.
+    pub build: f64,
+    /// Making pipelines and running each once without work, which is when CPU devices compile.
+    pub compile: f64,
+    /// All frames, by the host's clock.
+    pub render: f64,
+    /// All frames, by the device's clock.
+    pub device: f64,
+}
+
+/// One scene, technique and backend on one device.
+pub struct Renderer {
+    gpu: Gpu,
+    settings: Settings,
+    pipeline: Pipeline,
+    bindings: Bindings,
+    scene: Uploaded,
+    film: Buffer,
+    layers: Buffer,
+    tally: Buffer,
+    plan: FramePlan,
+    seconds: Seconds,
+    rays: u64,
+    nonfinite: u64,
+    bad_samples: Vec<BadSample>,
+}
+
+impl Renderer {
+    /// Uploads the scene and makes the kernels.
+    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
+        gpu.require(settings.backend)?;
+        settings.check()?;
+        let started = Instant::now();
+        let mut special = Specialisation {
+            length_layers: settings.lengths,
+            max_depth: settings.max_depth.unwrap_or(NONE),
+            rr_depth: settings.rr_depth,
+            filter_box: settings.filter == crate::scene::Filter::Box,
+            wide_loads: gpu.survey().kind == crate::gpu::DeviceKind::Cpu,
+            ..Specialisation::default()
+        };
+        let words = settings.technique.words();
+        [special.param0, special.param1, special.param2, special.param3] = words;
+        Needs::of(scene).specialise(&mut special);
+        let uploaded = Uploaded::new(gpu, scene, settings)?;
+        special.stack_size = uploaded.stack_size;
+        special.inline_count = uploaded.inline.len() as u32;
+        let build = started.elapsed();
+
+        let started = Instant::now();
+        let name = format!("{}.pixels.{}", settings.technique.row.name, settings.backend.name());
+        let mut constants = special.words();
+        let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
+        constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
+        let pipeline = Pipeline::new(gpu, &name, &constants, settings.backend == Backend::RayQuery)?;
+        let bindings = pipeline.bind(&uploaded.uniforms, uploaded.tlas.as_ref())?;
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let film = Buffer::zeroed(gpu, "film", pixels * size_of::<FilmPixel>() as u64)?;
+        let layers = Buffer::zeroed(gpu, "film by path length", pixels * u64::from(settings.lengths) * 24)?;
+        let tally = Buffer::zeroed(gpu, "tally", 4 * u64::from(1 + 2 * BAD_SAMPLES + RAY_COUNTERS))?;
+        let mut renderer = Self {
+            gpu: gpu.clone(),
+            settings: settings.clone(),
+            pipeline,
+            bindings,
+            scene: uploaded,
+            film,
+            layers,
+            tally,
+            plan: FramePlan::new(settings.width, settings.height, gpu.limits().max_workgroups),
+            seconds: Seconds { build: build.as_secs_f64(), ..Seconds::default() },
+            rays: 0,
+            nonfinite: 0,
+            bad_samples: Vec::new(),
+        };
+        renderer.dispatch(0, 0, 0, 0)?;
+        renderer.seconds.compile = started.elapsed().as_secs_f64();
+        Ok(renderer)
+    }
+
+    /// Runs one frame towards `target` samples per pixel; returns false once they are all taken.
+    pub fn advance(&mut self, target: u32) -> Result<bool> {
+        let Some(frame) = self.plan.next(target) else { return Ok(false) };
+        let started = Instant::now();
+        let device = self.dispatch(frame.first_slot, frame.slots, frame.first_sample, frame.samples)?;
+        let wall = started.elapsed();
+        self.plan.done(frame, wall);
+        self.seconds.render += wall.as_secs_f64();
+        self.seconds.device += device.as_secs_f64();
+        Ok(self.plan.next(target).is_some())
+    }
+
+    /// Samples that every pixel has.
+    pub fn spp(&self) -> u32 {
+        self.plan.spp()
+    }
+
+    /// Samples that the average pixel has, the unfinished pass included.
+    pub fn progress(&self) -> f64 {
+        self.plan.progress()
+    }
+
+    /// What the parts took so far.
+    pub fn seconds(&self) -> Seconds {
+        self.seconds
+    }
+
+    /// Rays traced so far.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// What was uploaded.
+    pub fn scene(&self) -> &Uploaded {
+        &self.scene
+    }
+
+    /// What it renders with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The film as it stands.
+    pub fn film(&self) -> Result<Film> {
+        let (width, height) = (self.settings.width, self.settings.height);
+        let pixels = width as usize * height as usize;
+        let sums: Vec<FilmPixel> = self.film.read(pixels)?;
+        let layer_count = self.settings.lengths as usize;
+        let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
+        let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count);
+        film.nonfinite = self.nonfinite;
+        film.bad_samples.clone_from(&self.bad_samples);
+        Ok(film)
+    }
+
+    /// Runs a part of the image and takes in what it counted; the time is the device's.
+    fn dispatch(&mut self, first_slot: u32, slots: u32, first_sample: u32, samples: u32) -> Result<Duration> {
+        let constants = FrameConstants {
+            film: address(self.film.address()),
+            lengths: address(self.layers.address()),
+            tally: address(self.tally.address()),
+            first_slot,
+            slot_count: slots,
+            first_sample,
+            sample_count: samples,
+            width: self.settings.width,
+            height: self.settings.height,
+            seed: self.settings.seed,
+        };
+        let workgroups = slots.div_ceil(WORKGROUP).max(1);
+        let pass = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
+        let work =
+            format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
+        let (pipeline, bindings, tally) = (&self.pipeline, &self.bindings, &self.tally);
+        let took = self.gpu.run(&pass, &work, |commands| {
+            commands.clear(tally);
+            commands.dispatch(pipeline, bindings, bytemuck::bytes_of(&constants), workgroups);
+            commands.barrier();
+        })?;
+        let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;
+        let (bad, rays) = counted.split_at((1 + 2 * BAD_SAMPLES) as usize);
+        self.rays += rays.iter().map(|count| u64::from(*count)).sum::<u64>();
+        self.nonfinite += u64::from(bad[0]);
+        let room = (BAD_SAMPLES as usize).saturating_sub(self.bad_samples.len());
+        let listed = bad[1..].chunks_exact(2).take((bad[0] as usize).min(BAD_SAMPLES as usize));
+        let mut located: Vec<BadSample> = listed
+            .map(|entry| BadSample {
+                x: entry[0] % self.settings.width,
+                y: entry[0] / self.settings.width,
+                sample: entry[1],
+            })
+            .collect();
+        located.sort_unstable();
+        self.bad_samples.extend(located.into_iter().take(room));
+        Ok(took.device)
+    }
+}
+
+/// Renders a scene to the number of samples per pixel, in one go.
+pub fn render(gpu: &Gpu, scene: &Scene, settings: &Settings, spp: u32) -> Result<Film> {
+    if spp == 0 {
+        return Err(Error::Usage(String::from("0 samples per pixel: ask for 1 or more")));
+    }
+    let mut renderer = Renderer::new(gpu, scene, settings)?;
+    while renderer.advance(spp)? {}
+    renderer.film()
+}

@@ -1,0 +1,164 @@
+//! What to render with.
+
+use crate::backend::Backend;
+use crate::error::{Error, Result, one_of};
+use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
+use crate::scene::{Filter, Scene};
+
+/// A row of the table with values for its parameters.
+#[derive(Clone, Debug)]
+pub struct Technique {
+    /// The row.
+    pub row: &'static Integrator,
+    /// One value per parameter of the row, as text.
+    values: Vec<String>,
+}
+
+impl Technique {
+    /// The technique of that name with its default parameters, or with those that follow: `direct:sampling=bsdf`.
+    pub fn parse(text: &str) -> Result<Self> {
+        let mut parts = text.split(':');
+        let name = parts.next().unwrap_or_default();
+        let row = integrator::find(name).ok_or_else(|| {
+            Error::Usage(format!("no technique '{name}': valid are {}", one_of(INTEGRATORS.iter().map(|row| row.name))))
+        })?;
+        let mut technique =
+            Self { row, values: row.parameters.iter().map(|parameter| default_text(&parameter.values)).collect() };
+        for part in parts {
+            let (name, value) = part.split_once('=').ok_or_else(|| {
+                Error::Usage(format!("'{part}' in '{text}': a parameter is written {}:name=value", row.name))
+            })?;
+            technique.set(name, value)?;
+        }
+        Ok(technique)
+    }
+
+    /// Sets one parameter.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
+        let row = self.row;
+        let index = row.parameters.iter().position(|parameter| parameter.name == name).ok_or_else(|| {
+            let valid = if row.parameters.is_empty() {
+                String::from("it has none")
+            } else {
+                format!("valid are {}", one_of(row.parameters.iter().map(|p| p.name)))
+            };
+            Error::Usage(format!("technique {} has no parameter '{name}'; {valid}", row.name))
+        })?;
+        word(&row.parameters[index], value)
+            .map_err(|valid| Error::Usage(format!("{}:{name}={value}: valid are {valid}", row.name)))?;
+        value.clone_into(&mut self.values[index]);
+        Ok(())
+    }
+
+    /// The value of a parameter, as text.
+    pub fn value(&self, name: &str) -> Option<&str> {
+        self.row
+            .parameters
+            .iter()
+            .zip(&self.values)
+            .find(|(parameter, _)| parameter.name == name)
+            .map(|(_, value)| value.as_str())
+    }
+
+    /// The specialisation constants `PARAM0` to `PARAM3`.
+    pub(super) fn words(&self) -> [u32; 4] {
+        let mut words = [0; 4];
+        for ((parameter, value), out) in self.row.parameters.iter().zip(&self.values).zip(&mut words) {
+            *out = word(parameter, value).unwrap_or_default(); // checked when it was set
+        }
+        words
+    }
+
+    /// The name with every parameter that is not at its default.
+    pub fn describe(&self) -> String {
+        let changed = self
+            .row
+            .parameters
+            .iter()
+            .zip(&self.values)
+            .filter(|(parameter, value)| default_text(&parameter.values) != **value);
+        changed.fold(self.row.name.to_owned(), |text, (parameter, value)| format!("{text}:{}={value}", parameter.name))
+    }
+}
+
+fn default_text(values: &Values) -> String {
+    match values {
+        Values::Choice(words) => words.first().copied().unwrap_or_default().to_owned(),
+        Values::Number(_, _, default) => default.to_string(),
+    }
+}
+
+/// The shader's word for a value, or what would be valid.
+fn word(parameter: &Parameter, value: &str) -> Result<u32, String> {
+    match parameter.values {
+        Values::Choice(words) => {
+            words.iter().position(|word| *word == value).map(|index| index as u32).ok_or_else(|| one_of(words))
+        }
+        Values::Number(low, high, _) => value
+            .parse::<f32>()
+            .ok()
+            .filter(|number| (low..=high).contains(number))
+            .map(f32::to_bits)
+            .ok_or_else(|| format!("numbers from {low} to {high}")),
+    }
+}
+
+/// What to render with.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The technique and its parameters.
+    pub technique: Technique,
+    /// The ray backend.
+    pub backend: Backend,
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Name or number of the camera; the first one where it is nothing.
+    pub camera: Option<String>,
+    /// Longest path in segments; nothing is no limit. 1 is emission only, 2 adds direct light.
+    pub max_depth: Option<u32>,
+    /// Segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Layers by path length; 0 for none. The last one also takes every longer path.
+    pub lengths: u32,
+    /// Expected pixel samples: whether work that only pays off over many of them is worth it.
+    pub expected_samples: u64,
+}
+
+impl Settings {
+    /// What the scene's file asks for, with a technique and a backend.
+    pub fn new(scene: &Scene, technique: Technique, backend: Backend) -> Self {
+        Self {
+            rr_depth: scene.technique.rr_depth.unwrap_or(technique.row.rr_depth),
+            technique,
+            backend,
+            width: scene.film.width,
+            height: scene.film.height,
+            filter: scene.film.filter,
+            camera: None,
+            max_depth: scene.technique.max_depth.unwrap_or(None),
+            seed: 0,
+            lengths: 0,
+            expected_samples: u64::MAX,
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        let bad = |what: String| Err(Error::Usage(what));
+        if self.width == 0 || self.height == 0 || self.width > 65536 || self.height > 65536 {
+            return bad(format!(
+                "an image of {}x{} pixels: width and height must be 1 to 65536",
+                self.width, self.height
+            ));
+        }
+        if self.lengths > 64 {
+            return bad(format!("{} layers by path length: 64 is the most", self.lengths));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,233 @@
+//! A scene on the device: its arrays, its acceleration structure, its uniforms.
+
+use glam::{DAffine3, Vec3};
+
+use super::settings::Settings;
+use crate::backend::Backend;
+use crate::bvh::{Bounds, Bvh, primitive_bounds};
+use crate::error::Result;
+use crate::gpu::accel::{Blas, Placement, Tlas};
+use crate::gpu::{Buffer, Gpu};
+use crate::layout::{
+    self, Corners, INLINE_MAX, NODE_BYTES, Primitive, SPHERE_BIT, SceneUniforms, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
+    UNIFORM_SURFACES, address,
+};
+use crate::scene::{Filter, Needs, Scene};
+
+/// Pixel samples from which on it pays to compile a tiny scene's triangles into the kernel.
+const INLINE_WORTHWHILE: u64 = 1 << 20;
+
+/// A scene on the device. What the scene has none of is not allocated.
+pub struct Uploaded {
+    /// The uniform buffer.
+    pub(super) uniforms: Buffer,
+    /// The driver's acceleration structure (`ray-query`).
+    pub(super) tlas: Option<Tlas>,
+    /// Entries that traversal needs of its stack (`bvh`).
+    pub(super) stack_size: u32,
+    /// Triangles that the kernel holds as constants.
+    pub(super) inline: Vec<Primitive>,
+    buffers: Vec<(&'static str, Buffer)>,
+    order: Vec<u32>,
+}
+
+/// What a backend's acceleration structure asks of the arrays.
+struct Built {
+    /// For each uploaded primitive, its index in the scene.
+    order: Vec<u32>,
+    instances: Vec<layout::Instance>,
+    nodes: Vec<u8>,
+    tlas: Option<Tlas>,
+    stack_size: u32,
+}
+
+impl Uploaded {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
+        let needs = Needs::of(scene);
+        let inline_fits = settings.backend == Backend::Bvh
+            && !needs.instances
+            && !needs.spheres
+            && scene.primitives.len() <= INLINE_MAX as usize
+            && settings.expected_samples >= INLINE_WORTHWHILE;
+        let built = match settings.backend {
+            Backend::Bvh => build_bvh(scene, &needs),
+            Backend::RayQuery => build_ray_query(gpu, scene)?,
+        };
+        let primitives: Vec<Primitive> = built.order.iter().map(|index| scene.primitives[*index as usize]).collect();
+        let corners: Vec<Corners> = if scene.corners.is_empty() {
+            Vec::new()
+        } else {
+            built.order.iter().map(|index| scene.corners[*index as usize]).collect()
+        };
+
+        let mut buffers = Vec::new();
+        let mut upload = |name: &'static str, bytes: &[u8]| -> Result<[u32; 2]> {
+            if bytes.is_empty() {
+                return Ok([0, 0]);
+            }
+            let buffer = Buffer::with_data(gpu, name, bytes)?;
+            let place = address(buffer.address());
+            buffers.push((name, buffer));
+            Ok(place)
+        };
+        let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.table() };
+        let plane = scene.camera(settings.camera.as_deref())?.image_plane(settings.width, settings.height);
+        let vector = |v: glam::DVec3| v.as_vec3().to_array();
+        let uniforms = SceneUniforms {
+            camera_origin: vector(plane.origin),
+            camera_corner: vector(plane.corner),
+            camera_dx: vector(plane.dx),
+            camera_dy: vector(plane.dy),
+            background: scene.background.unwrap_or_default(),
+            background_probability: scene.background_probability,
+            nodes: upload("nodes", &built.nodes)?,
+            primitives: upload("primitives", bytemuck::cast_slice(&primitives))?,
+            corners: upload("corners", bytemuck::cast_slice(&corners))?,
+            normals: upload("normals", bytemuck::cast_slice(&scene.normals))?,
+            surfaces: upload("surfaces", bytemuck::cast_slice(&scene.surfaces))?,
+            materials: upload("materials", bytemuck::cast_slice(&scene.materials))?,
+            lights: upload("lights", bytemuck::cast_slice(&scene.lights))?,
+            instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
+            filter_table: upload("pixel filter", bytemuck::cast_slice(&filter_table))?,
+        };
+        let mut block = bytemuck::bytes_of(&uniforms).to_vec();
+        append_table(&mut block, &scene.surfaces, UNIFORM_SURFACES);
+        append_table(&mut block, &scene.materials, UNIFORM_MATERIALS);
+        append_table(&mut block, &scene.lights, UNIFORM_LIGHTS);
+        Ok(Self {
+            uniforms: Buffer::with_data(gpu, "scene uniforms", &block)?,
+            tlas: built.tlas,
+            stack_size: built.stack_size,
+            inline: if inline_fits { primitives } else { Vec::new() },
+            buffers,
+            order: built.order,
+        })
+    }
+
+    /// Bytes on the device by what they hold.
+    pub fn bytes(&self) -> Vec<(&'static str, u64)> {
+        let mut all: Vec<_> = self.buffers.iter().map(|(name, buffer)| (*name, buffer.size())).collect();
+        all.push(("uniforms", self.uniforms.size()));
+        all.extend(self.tlas.iter().map(|tlas| ("acceleration structure", tlas.size())));
+        all
+    }
+
+    /// For each uploaded primitive, its index in the scene: hits are reported in this order.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+}
+
+/// Appends a table with room for `count` entries, with what fits of `entries`.
+fn append_table<T: bytemuck::Pod>(block: &mut Vec<u8>, entries: &[T], count: u32) {
+    let end = block.len() + count as usize * size_of::<T>();
+    block.extend_from_slice(bytemuck::cast_slice(&entries[..entries.len().min(count as usize)]));
+    block.resize(end, 0);
+}
+
+/// Rows of an affine map.
+fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
+    let m = map.matrix3.transpose();
+    let row = |axis: glam::DVec3, shift: f64| [axis.x as f32, axis.y as f32, axis.z as f32, shift as f32];
+    [row(m.x_axis, map.translation.x), row(m.y_axis, map.translation.y), row(m.z_axis, map.translation.z)]
+}
+
+fn instance(to_world: &DAffine3, root: u32, first_primitive: u32) -> layout::Instance {
+    let [world0, world1, world2] = rows(to_world);
+    let [object0, object1, object2] = rows(&to_world.inverse());
+    layout::Instance { world0, world1, world2, object0, object1, object2, root, first_primitive }
+}
+
+fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
+    let mut order = Vec::with_capacity(scene.primitives.len());
+    let mut trees = Vec::new();
+    for group in &scene.groups {
+        let range = group.primitives();
+        let boxes: Vec<Bounds> = scene.primitives[range.clone()].iter().map(primitive_bounds).collect();
+        let tree = Bvh::build(&boxes);
+        order.extend(tree.order.iter().map(|slot| range.start as u32 + slot));
+        trees.push(tree);
+    }
+    let top = needs.instances.then(|| {
+        let boxes: Vec<Bounds> = scene
+            .instances
+            .iter()
+            .map(|placed| transform_bounds(&placed.to_world, scene.group_bounds(&scene.groups[placed.group])))
+            .collect();
+        Bvh::build(&boxes)
+    });
+    let top_depth = top.as_ref().map_or(0, |top| top.depth);
+    let stack_size = top_depth + trees.iter().map(|tree| tree.depth).max().unwrap_or(1) + 2;
+
+    let mut nodes = Vec::new();
+    let mut instances = Vec::new();
+    let mut next_root = top.as_ref().map_or(0, |top| top.nodes.len() as u32);
+    let mut roots = Vec::new();
+    for tree in &trees {
+        roots.push(next_root);
+        next_root += tree.nodes.len() as u32;
+    }
+    if let Some(top) = &top {
+        nodes.extend_from_slice(bytemuck::cast_slice(&top.nodes));
+        instances.extend(top.order.iter().map(|slot| {
+            let placed = &scene.instances[*slot as usize];
+            instance(&placed.to_world, roots[placed.group], 0)
+        }));
+    }
+    for ((tree, root), group) in trees.into_iter().zip(roots).zip(&scene.groups) {
+        let mut placed = tree.nodes;
+        for node in &mut placed {
+            node.child_base_idx += root;
+            node.primitive_base_idx += group.triangles.start;
+        }
+        nodes.extend_from_slice(bytemuck::cast_slice(&placed));
+    }
+    debug_assert_eq!(nodes.len() % NODE_BYTES as usize, 0);
+    Built { order, instances, nodes, tlas: None, stack_size }
+}
+
+/// A box around a transformed box, a little outwards: traversal maps rays, not boxes, and rounds differently.
+fn transform_bounds(to_world: &DAffine3, bounds: Bounds) -> Bounds {
+    if bounds.min.cmpgt(bounds.max).any() {
+        return Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
+    }
+    let mut out = Bounds::EMPTY;
+    for corner in 0..8 {
+        let pick = |axis: usize| if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
+        let point = to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)).as_dvec3());
+        out = out.with_point(point.as_vec3());
+    }
+    let reach = (out.max - out.min).max_element() + out.min.abs().max(out.max.abs()).max_element();
+    let margin = Vec3::splat(reach * 8.0 * f32::EPSILON);
+    Bounds { min: out.min - margin, max: out.max + margin }
+}
+
+fn build_ray_query(gpu: &Gpu, scene: &Scene) -> Result<Built> {
+    let most =
+        usize::try_from(gpu.limits().max_blas_primitives.saturating_sub(1)).unwrap_or(usize::MAX).clamp(1, 1 << 28);
+    let mut parts = Vec::new();
+    let mut parts_of_group = Vec::new();
+    for group in &scene.groups {
+        let mut mine = Vec::new();
+        for range in [group.triangles.clone(), group.spheres.clone()] {
+            let primitives = &scene.primitives[range.start as usize..range.end as usize];
+            for (index, chunk) in primitives.chunks(most).enumerate() {
+                let kind = if chunk[0].surface & SPHERE_BIT != 0 { "spheres" } else { "triangles" };
+                mine.push((parts.len(), range.start + (index * most) as u32));
+                parts.push(Blas::build(gpu, &format!("{} of '{}'", kind, group.name), chunk)?);
+            }
+        }
+        parts_of_group.push(mine);
+    }
+    let mut placements = Vec::new();
+    let mut instances = Vec::new();
+    for placed in &scene.instances {
+        for (part, first_primitive) in &parts_of_group[placed.group] {
+            placements.push(Placement { part: *part, world: rows(&placed.to_world), index: instances.len() as u32 });
+            instances.push(instance(&placed.to_world, 0, *first_primitive));
+        }
+    }
+    let tlas = Tlas::build(gpu, parts, &placements)?;
+    let order = (0..scene.primitives.len() as u32).collect();
+    Ok(Built { order, instances, nodes: Vec::new(), tlas: Some(tlas), stack_size: 1 })
+}

@@ -1,0 +1,41 @@
+//! Opening a scene file of any format.
+
+use std::path::Path;
+
+use super::{Scene, SceneBuilder, mitsuba, obj, ply};
+use crate::error::{Error, Result};
+
+/// How a scene is to be read.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Parameters of a Mitsuba scene, `-D name=value`.
+    pub defines: Vec<(String, String)>,
+}
+
+/// Reads a scene; the extension says which format it is in.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if extension != "xml"
+        && let Some((name, _)) = options.defines.first()
+    {
+        return Err(Error::Usage(format!("-D {name}: only Mitsuba scenes (.xml) have parameters")));
+    }
+    match extension.as_str() {
+        "xml" => mitsuba::load(path, &options.defines),
+        "obj" => obj::load(path),
+        "ply" => {
+            let mut builder = SceneBuilder::new(path);
+            let surface = builder.matte([0.5; 3]);
+            let mesh = ply::read(path)?;
+            builder.mesh(super::builder::WORLD, &path.display().to_string(), mesh, glam::DAffine3::IDENTITY, surface);
+            builder.finish()
+        }
+        _ => {
+            std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+            Err(Error::Usage(format!(
+                "{}: a scene is a file with the extension .xml (Mitsuba 3), .obj or .ply",
+                path.display()
+            )))
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! `<integrator>`: the technique that a scene asks for; the command line goes before it.
+
+use super::Loader;
+use super::object::Object;
+use crate::error::Result;
+
+const SUPPORTED: [&str; 5] = ["path", "direct", "volpath", "moment", "aov"];
+
+impl Loader {
+    pub(super) fn set_integrator(&mut self, object: &Object) -> Result<()> {
+        match object.plugin.as_str() {
+            // Wrappers that add channels of their own: the technique is the one inside.
+            "moment" | "aov" => {
+                object.optional_text("aovs")?;
+                for inner in object.objects_of("integrator") {
+                    self.set_integrator(&inner)?;
+                }
+            }
+            "path" | "volpath" => {
+                let depth = object.optional_integer("max_depth")?.unwrap_or(-1);
+                self.builder.technique.max_depth = Some(match depth {
+                    -1 => None,
+                    0.. => Some(u32::try_from(depth).unwrap_or(u32::MAX - 1)),
+                    _ => {
+                        return Err(
+                            object.property_error("max_depth", format!("{depth} is not 0 or more, nor -1 (no limit)"))
+                        );
+                    }
+                });
+                if let Some(depth) = object.optional_integer("rr_depth")? {
+                    let depth = u32::try_from(depth).ok().filter(|depth| *depth > 0);
+                    let depth = depth.ok_or_else(|| object.property_error("rr_depth", "it must be 1 or more"))?;
+                    self.builder.technique.rr_depth = Some(depth);
+                }
+                self.hide_emitters(object)?;
+                self.builder.technique.integrator = Some((String::from("path"), Vec::new()));
+            }
+            "direct" => {
+                for count in ["shading_samples", "emitter_samples", "bsdf_samples"] {
+                    object.optional_integer(count)?; // one sample of each, and MIS, whatever the file asks for
+                }
+                self.hide_emitters(object)?;
+                self.builder.technique.integrator = Some((String::from("direct"), Vec::new()));
+            }
+            _ => return Err(object.unknown_plugin(&SUPPORTED)),
+        }
+        object.finish()
+    }
+
+    fn hide_emitters(&self, object: &Object) -> Result<()> {
+        if object.boolean("hide_emitters", false)? {
+            return Err(object.property_error("hide_emitters", "only false is supported: lights are always visible"));
+        }
+        Ok(())
+    }
+}

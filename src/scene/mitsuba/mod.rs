@@ -1,0 +1,67 @@
+//! Mitsuba 3 XML scenes: the same file renders here and there.
+//!
+//! `document` reads the text (`include`, `default`, `$name`), `object` turns it into objects with typed properties, and
+//! one file per kind of object gives them their meaning. What is not supported is an error that names the element, its
+//! line and what is valid; so is every property that nobody asked for.
+
+mod bsdf;
+mod document;
+mod emitter;
+mod integrator;
+mod object;
+mod sensor;
+mod shape;
+mod transform;
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::rc::Rc;
+
+use super::builder::{SceneBuilder, Side};
+use crate::error::{Error, Result};
+use crate::scene::Scene;
+use object::Object;
+
+/// Parameters of the scene that the caller sets: `-D name=value`.
+pub type Defines = [(String, String)];
+
+/// Reads a scene file.
+pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
+    let root = document::read(path, defines)?;
+    if root.tag != "scene" {
+        return Err(Error::scene_line(
+            &root.file,
+            root.line,
+            format!("the root element is <{}>, and a Mitsuba scene's is <scene>", root.tag),
+        ));
+    }
+    let scene = object::parse(&root)?;
+    let mut loader = Loader { builder: SceneBuilder::new(path), materials: HashMap::new(), groups: HashMap::new() };
+    for child in scene.objects() {
+        loader.add(&child)?;
+    }
+    scene.finish()?;
+    loader.builder.finish()
+}
+
+/// What has been made so far; objects that several places refer to are made once.
+struct Loader {
+    builder: SceneBuilder,
+    materials: HashMap<*const Object, (Side, Side)>,
+    groups: HashMap<*const Object, usize>,
+}
+
+impl Loader {
+    fn add(&mut self, object: &Rc<Object>) -> Result<()> {
+        match object.tag.as_str() {
+            "shape" => self.add_shape(object, super::builder::WORLD),
+            "bsdf" => self.material(object).map(|_| ()),
+            "emitter" => self.add_emitter(object),
+            "sensor" => self.add_sensor(object),
+            "integrator" => self.set_integrator(object),
+            tag => Err(object.error(format!(
+                "<{tag}> is not supported here; supported are shape, bsdf, emitter, sensor and integrator"
+            ))),
+        }
+    }
+}

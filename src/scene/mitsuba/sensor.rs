@@ -1,0 +1,127 @@
+//! `<sensor>`, with its `<film>`, `<rfilter>` and `<sampler>`.
+
+use super::Loader;
+use super::object::Object;
+use crate::error::{Result, one_of};
+use crate::scene::camera::{Camera, FovAxis};
+use crate::scene::filter::Filter;
+
+const AXES: [(&str, FovAxis); 5] = [
+    ("x", FovAxis::X),
+    ("y", FovAxis::Y),
+    ("diagonal", FovAxis::Diagonal),
+    ("smaller", FovAxis::Smaller),
+    ("larger", FovAxis::Larger),
+];
+
+/// Samplers differ in how they spread their points; all that is taken from one is the number of samples.
+const SAMPLERS: [&str; 5] = ["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
+
+impl Loader {
+    pub(super) fn add_sensor(&mut self, object: &Object) -> Result<()> {
+        if object.plugin != "perspective" {
+            return Err(object.unknown_plugin(&["perspective"]));
+        }
+        let to_world = object.transform("to_world")?;
+        let (fov, axis) = field_of_view(object)?;
+        // Clipping hides geometry from the camera; a scene that relies on it would look wrong silently.
+        let (near, far) = (object.positive_float("near_clip", 1e-2)?, object.positive_float("far_clip", 1e4)?);
+        if near >= far {
+            return Err(object.property_error("near_clip", format!("{near} is not below far_clip ({far})")));
+        }
+        let principal_point =
+            [object.float("principal_point_offset_x", 0.0)?, object.float("principal_point_offset_y", 0.0)?];
+        let first = self.builder.cameras.is_empty();
+        let name = object.id.clone().unwrap_or_else(|| format!("camera{}", self.builder.cameras.len()));
+        self.builder.cameras.push(Camera { name, to_world, fov, axis, principal_point });
+
+        if let Some(film) = object.object_of("film")? {
+            self.read_film(&film, first)?;
+        } else if first {
+            (self.builder.film.width, self.builder.film.height, self.builder.film.filter) =
+                (768, 576, Filter::GAUSSIAN);
+        }
+        if let Some(sampler) = object.object_of("sampler")? {
+            if !SAMPLERS.contains(&sampler.plugin.as_str()) {
+                return Err(sampler.unknown_plugin(&SAMPLERS));
+            }
+            let count = sampler.optional_integer("sample_count")?.unwrap_or(4);
+            sampler.optional_integer("seed")?;
+            let spp = u32::try_from(count).ok().filter(|count| *count > 0);
+            let spp = spp.ok_or_else(|| sampler.property_error("sample_count", format!("{count} is not 1 or more")))?;
+            if first {
+                self.builder.technique.spp = Some(spp);
+            }
+            sampler.finish()?;
+        }
+        object.finish()
+    }
+
+    fn read_film(&mut self, film: &Object, first: bool) -> Result<()> {
+        if film.plugin != "hdrfilm" {
+            return Err(film.unknown_plugin(&["hdrfilm"]));
+        }
+        let size = |name: &'static str, default: i64| {
+            let value = film.optional_integer(name)?.unwrap_or(default);
+            u32::try_from(value)
+                .ok()
+                .filter(|value| (1..=65536).contains(value))
+                .ok_or_else(|| film.property_error(name, format!("{value} is not in 1 to 65536")))
+        };
+        let (width, height) = (size("width", 768)?, size("height", 576)?);
+        for ignored in ["file_format", "pixel_format", "component_format"] {
+            film.optional_text(ignored)?; // what is written is the command line's business
+        }
+        let filter = match film.object_of("rfilter")? {
+            Some(filter) => read_filter(&filter)?,
+            None => Filter::GAUSSIAN,
+        };
+        if first {
+            (self.builder.film.width, self.builder.film.height, self.builder.film.filter) = (width, height, filter);
+        }
+        film.finish()
+    }
+}
+
+fn field_of_view(object: &Object) -> Result<(f64, FovAxis)> {
+    let axis = object.optional_text("fov_axis")?;
+    let focal_length = object.optional_text("focal_length")?;
+    if let Some(fov) = object.optional_float("fov")? {
+        if focal_length.is_some() {
+            return Err(object.error("a camera has 'fov' or 'focal_length', not both"));
+        }
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(object.property_error("fov", format!("{fov} is not between 0 and 180 degrees")));
+        }
+        let name = axis.unwrap_or("x");
+        let axis = AXES.iter().find(|(known, _)| *known == name).map(|(_, axis)| *axis);
+        return Ok((
+            fov,
+            axis.ok_or_else(|| {
+                object.property_error("fov_axis", format!("'{name}' is not {}", one_of(AXES.map(|row| row.0))))
+            })?,
+        ));
+    }
+    // A focal length is of the 36 x 24 mm format, whose diagonal the image's diagonal stands for.
+    let text = focal_length.unwrap_or("50mm");
+    let millimetres = text.trim().trim_end_matches("mm").trim().parse::<f64>().ok().filter(|length| *length > 0.0);
+    let millimetres = millimetres
+        .ok_or_else(|| object.property_error("focal_length", format!("'{text}' is not a length such as 50mm")))?;
+    Ok((2.0 * (36f64.hypot(24.0) / (2.0 * millimetres)).atan().to_degrees(), FovAxis::Diagonal))
+}
+
+fn read_filter(object: &Object) -> Result<Filter> {
+    let third = 1.0 / 3.0;
+    let filter = match object.plugin.as_str() {
+        "box" => Filter::Box,
+        "tent" => Filter::Tent { radius: object.positive_float("radius", 1.0)? },
+        "gaussian" => {
+            let stddev = object.positive_float("stddev", 0.5)?;
+            Filter::Gaussian { stddev, radius: 4.0 * stddev }
+        }
+        "mitchell" => Filter::Mitchell { b: object.float("B", third)?, c: object.float("C", third)? },
+        _ => return Err(object.unknown_plugin(&["box", "tent", "gaussian", "mitchell"])),
+    };
+    object.finish()?;
+    Ok(filter)
+}

@@ -1,0 +1,189 @@
+//! `<shape>`: geometry, what it is made of, and what it emits.
+
+use std::rc::Rc;
+
+use glam::{DAffine3, DVec3, Vec3};
+
+use super::Loader;
+use super::object::{Colour, Object};
+use crate::error::Result;
+use crate::scene::builder::{Mesh, SurfaceDescription};
+use crate::scene::{material, obj, ply};
+
+const SUPPORTED: [&str; 7] = ["obj", "ply", "rectangle", "cube", "sphere", "shapegroup", "instance"];
+
+impl Loader {
+    /// Adds a shape to a group.
+    pub(super) fn add_shape(&mut self, object: &Rc<Object>, group: usize) -> Result<()> {
+        match object.plugin.as_str() {
+            "shapegroup" => return self.shape_group(object).map(|_| ()),
+            "instance" => return self.add_instance(object),
+            _ => {}
+        }
+        let to_world = object.transform("to_world")?;
+        let flip = object.boolean("flip_normals", false)?;
+        let name = object.id.clone().unwrap_or_else(|| object.plugin.clone());
+        let surface = self.surface(object)?;
+        match object.plugin.as_str() {
+            "sphere" => {
+                let radius = object.positive_float("radius", 1.0)?;
+                let centre = object.optional_vector("center")?.unwrap_or(DVec3::ZERO);
+                let lengths = [
+                    to_world.matrix3.x_axis.length(),
+                    to_world.matrix3.y_axis.length(),
+                    to_world.matrix3.z_axis.length(),
+                ];
+                let spread = lengths.iter().fold(0.0f64, |most, length| most.max((length / lengths[0] - 1.0).abs()));
+                let [x, y, z] =
+                    [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis].map(DVec3::normalize);
+                if spread > 1e-4 || x.dot(y).abs().max(x.dot(z).abs()).max(y.dot(z).abs()) > 1e-4 {
+                    return Err(object.property_error(
+                        "to_world",
+                        "it makes the sphere an ellipsoid: only uniform scaling is supported",
+                    ));
+                }
+                let turned = flip != (to_world.matrix3.determinant() < 0.0);
+                let radius = radius * lengths[0] * if turned { -1.0 } else { 1.0 };
+                self.builder.sphere(group, &name, to_world.transform_point3(centre), radius, surface);
+            }
+            "rectangle" => {
+                // The normal follows the inverse transpose, whatever the map does to the winding.
+                let mirrored = to_world.matrix3.determinant() < 0.0;
+                let mesh = turn(rectangle(), flip != mirrored);
+                self.builder.mesh(group, &name, mesh, to_world, surface);
+            }
+            "cube" => {
+                let mirrored = to_world.matrix3.determinant() < 0.0;
+                self.builder.mesh(group, &name, turn(cube(), flip != mirrored), to_world, surface);
+            }
+            kind @ ("obj" | "ply") => {
+                let face_normals = object.boolean("face_normals", false)?;
+                let file = object.file("filename")?;
+                let read = if kind == "obj" { obj::read_geometry(&file) } else { ply::read(&file) };
+                let mut mesh = read.map_err(|error| match error {
+                    crate::error::Error::File { cause, .. } => {
+                        object.property_error("filename", format!("cannot read {}: {cause}", file.display()))
+                    }
+                    other => other,
+                })?;
+                if face_normals {
+                    mesh.normals = Vec::new();
+                } else if mesh.normals.is_empty() {
+                    mesh.compute_normals();
+                }
+                self.builder.mesh(group, &file.display().to_string(), turn(mesh, flip), to_world, surface);
+            }
+            _ => return Err(object.unknown_plugin(&SUPPORTED)),
+        }
+        object.finish()
+    }
+
+    /// The surface of a shape: its BSDF and its area light.
+    fn surface(&mut self, object: &Object) -> Result<usize> {
+        let emission = match object.object_of("emitter")? {
+            None => None,
+            Some(emitter) if emitter.plugin == "area" => {
+                let radiance = emitter.colour("radiance", Colour::Emission, 1.0)?;
+                emitter.finish()?;
+                Some(radiance)
+            }
+            Some(emitter) => {
+                return Err(emitter.error(format!("a shape can only hold an area light, not {}", emitter.title())));
+            }
+        };
+        let (front, back) = match object.object_of("bsdf")? {
+            Some(bsdf) => self.material(&bsdf)?,
+            // Mitsuba's defaults: grey, or black where the shape is a light.
+            None if emission.is_some() => (None, None),
+            None => (Some(self.builder.material(material::diffuse([0.5; 3]))), None),
+        };
+        Ok(self.builder.surface(SurfaceDescription { front, back, emission: emission.unwrap_or([0.0; 3]) }))
+    }
+
+    /// The group that a `shapegroup` stands for.
+    fn shape_group(&mut self, object: &Rc<Object>) -> Result<usize> {
+        if let Some(made) = self.groups.get(&Rc::as_ptr(object)) {
+            return Ok(*made);
+        }
+        let group = self.builder.group(object.id.as_deref().unwrap_or("shapegroup"));
+        self.groups.insert(Rc::as_ptr(object), group);
+        for shape in object.objects_of("shape") {
+            if matches!(shape.plugin.as_str(), "shapegroup" | "instance") {
+                return Err(shape.error(format!("{} cannot be inside a shapegroup", shape.title())));
+            }
+            self.add_shape(&shape, group)?;
+        }
+        object.finish()?;
+        Ok(group)
+    }
+
+    fn add_instance(&mut self, object: &Object) -> Result<()> {
+        let to_world = object.transform("to_world")?;
+        let Some(shape) = object.object_of("shape")?.filter(|shape| shape.plugin == "shapegroup") else {
+            return Err(object.error("an instance needs a <ref> to a shapegroup"));
+        };
+        let group = self.shape_group(&shape)?;
+        self.builder.instance(group, to_world);
+        object.finish()
+    }
+}
+
+/// The mesh with its front turned to the other side, where `turned` says so.
+fn turn(mut mesh: Mesh, turned: bool) -> Mesh {
+    if turned {
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
+    }
+    mesh
+}
+
+/// The square from (-1, -1, 0) to (1, 1, 0), facing +z.
+fn rectangle() -> Mesh {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    Mesh {
+        positions: corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(),
+        normals: Vec::new(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
+/// The cube from (-1, -1, -1) to (1, 1, 1), facing outwards.
+fn cube() -> Mesh {
+    let mut mesh = Mesh::default();
+    let faces = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+    for normal in faces {
+        // Two more axes that make a right-handed frame with the normal, so that the face is counter-clockwise from outside.
+        let tangent = DVec3::new(normal.z, normal.x, normal.y);
+        let bitangent = normal.cross(tangent);
+        let first = mesh.positions.len() as u32;
+        let corner = |a: f64, b: f64| normal + a * tangent + b * bitangent;
+        mesh.positions.extend([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    mesh
+}
+
+impl Mesh {
+    /// Vertex normals: the faces' normals weighted by the angle that they have at the vertex (Thuermer and Wuethrich 1998).
+    pub fn compute_normals(&mut self) {
+        let mut sums = vec![DVec3::ZERO; self.positions.len()];
+        for triangle in &self.triangles {
+            let corners = triangle.map(|vertex| self.positions.get(vertex as usize).copied());
+            let [Some(a), Some(b), Some(c)] = corners else { continue }; // the builder reports it
+            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
+            for (index, (p, q, r)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
+                let angle = (q - p).angle_between(r - p);
+                if angle.is_finite() {
+                    sums[triangle[index] as usize] += angle * normal;
+                }
+            }
+        }
+        self.normals =
+            sums.into_iter().map(|sum| sum.try_normalize().unwrap_or(DVec3::X).as_vec3()).collect::<Vec<Vec3>>();
+    }
+
+    /// Moves every vertex.
+    pub fn transform(&mut self, map: DAffine3) {
+        self.positions.iter_mut().for_each(|position| *position = map.transform_point3(*position));
+    }
+}

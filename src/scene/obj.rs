@@ -1,0 +1,169 @@
+//! OBJ meshes: with their MTL materials as a scene of their own, or as bare geometry for a Mitsuba shape.
+
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DVec3, Vec3};
+use tobj::LoadError;
+
+use super::builder::{Mesh, SceneBuilder, SurfaceDescription, WORLD};
+use super::{Scene, material};
+use crate::error::{Error, Result};
+use crate::layout::Material;
+
+const OPTIONS: tobj::LoadOptions =
+    tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+
+/// Reads all faces as one mesh, without materials. Vertices are shared between groups, as the file shares them.
+pub(super) fn read_geometry(path: &Path) -> Result<Mesh> {
+    let reader = Lines::open(path, &["g", "o", "usemtl", "mtllib", "s"])?;
+    let (models, _) = read(path, reader, |_| Ok((Vec::new(), Default::default())))?;
+    let mut models = models.into_iter();
+    match (models.next(), models.next()) {
+        (Some(model), None) => Ok(to_mesh(model.mesh)),
+        (None, _) => Err(Error::scene(path, "the file has no faces")),
+        _ => Err(Error::scene(path, "the file holds more than one mesh")),
+    }
+}
+
+/// Reads a scene: each group with its material. `Ke` makes an area light, a missing MTL file a warning and grey.
+pub fn load(path: &Path) -> Result<Scene> {
+    let missing: Cell<Option<(PathBuf, LoadError)>> = Cell::new(None);
+    let (models, materials) = read(path, Lines::open(path, &[])?, |name| {
+        let library = path.parent().unwrap_or(Path::new("")).join(name);
+        tobj::load_mtl(&library).inspect_err(|error| missing.set(Some((library.clone(), *error))))
+    })?;
+    if models.is_empty() {
+        return Err(Error::scene(path, "the file has no faces"));
+    }
+    let mut builder = SceneBuilder::new(path);
+    if let Some((library, error)) = missing.take() {
+        builder.warnings.push(format!("{}: {error}; its materials are grey", library.display()));
+    }
+    let materials = materials.unwrap_or_default();
+    let grey = builder.matte([0.5; 3]);
+    let mut surfaces = Vec::new();
+    for described in &materials {
+        if described.diffuse_texture.is_some()
+            || described.normal_texture.is_some()
+            || described.dissolve_texture.is_some()
+        {
+            builder.warnings.push(format!("material '{}': its textures are not read", described.name));
+        }
+        let id = builder.material(to_material(described));
+        let emission = described.emissive.unwrap_or_default();
+        if emission.iter().any(|channel| !(0.0..1e30).contains(channel)) {
+            return Err(Error::scene(
+                path,
+                format!("material '{}': Ke is {emission:?}, and must be 0 or more", described.name),
+            ));
+        }
+        surfaces.push(builder.surface(SurfaceDescription { front: Some(id), back: Some(id), emission }));
+    }
+    for model in models {
+        let surface = model.mesh.material_id.and_then(|id| surfaces.get(id)).copied().unwrap_or(grey);
+        builder.mesh(WORLD, &model.name, to_mesh(model.mesh), DAffine3::IDENTITY, surface);
+    }
+    builder.finish()
+}
+
+/// What an MTL entry stands for: `illum` 3 and 5 are mirrors, 4, 6, 7 and 9 glass, everything else is diffuse.
+fn to_material(described: &tobj::Material) -> Material {
+    let colour = |value: Option<[f64; 3]>, default: f64| {
+        value.unwrap_or([default; 3]).map(|channel| channel.clamp(0.0, 1.0) as f32)
+    };
+    let specular = colour(described.specular, 1.0);
+    match described.illumination_model {
+        Some(3 | 5) => material::conductor([0.0; 3], [1.0; 3], specular, None),
+        Some(4 | 6 | 7 | 9) => {
+            let index = described.optical_density.filter(|index| *index > 1.0).unwrap_or(1.5);
+            let filter = described.unknown_param.get("Tf").and_then(|text| parse_colour(text)).unwrap_or([1.0; 3]);
+            material::dielectric(index as f32, [1.0; 3], filter, None)
+        }
+        _ => material::diffuse(colour(described.diffuse, 0.5)),
+    }
+}
+
+fn parse_colour(text: &str) -> Option<[f32; 3]> {
+    let numbers: Vec<f32> = text.split_whitespace().map_while(|part| part.parse().ok()).collect();
+    numbers.try_into().ok().filter(|rgb: &[f32; 3]| rgb.iter().all(|channel| (0.0..=1.0).contains(channel)))
+}
+
+fn to_mesh(mesh: tobj::Mesh) -> Mesh {
+    let vectors = |numbers: &[f64]| numbers.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
+    Mesh {
+        positions: vectors(&mesh.positions),
+        normals: vectors(&mesh.normals).into_iter().map(|normal| normal.as_vec3()).collect::<Vec<Vec3>>(),
+        triangles: mesh.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect(),
+    }
+}
+
+fn read(
+    path: &Path,
+    mut reader: Lines,
+    materials: impl Fn(&Path) -> tobj::MTLLoadResult,
+) -> Result<(Vec<tobj::Model>, Result<Vec<tobj::Material>, LoadError>)> {
+    tobj::load_obj_buf(&mut reader, &OPTIONS, materials).map_err(|error| {
+        let line = reader.number;
+        match error {
+            // Indices are resolved where a group ends, which is where the reader stands.
+            LoadError::FaceVertexOutOfBounds
+            | LoadError::FaceNormalOutOfBounds
+            | LoadError::FaceTexCoordOutOfBounds => {
+                let what = error.to_string().replace("face ", "").replace(" index out of bounds", "");
+                Error::scene(path, format!("a face before line {} refers to a {what} that does not exist", line + 1))
+            }
+            LoadError::ReadError => Error::scene_line(path, line, "the file is not text (UTF-8)"),
+            _ => Error::scene_line(path, line, format!("not a valid OBJ file: {error}")),
+        }
+    })
+}
+
+/// Reads line by line, counting them; lines that begin with one of the skipped keywords read as empty.
+struct Lines {
+    inner: BufReader<File>,
+    line: Vec<u8>,
+    position: usize,
+    number: u32,
+    skipped: &'static [&'static str],
+}
+
+impl Lines {
+    fn open(path: &Path, skipped: &'static [&'static str]) -> Result<Self> {
+        let file = File::open(path).map_err(|error| Error::read(path, error))?;
+        Ok(Self { inner: BufReader::new(file), line: Vec::new(), position: 0, number: 0, skipped })
+    }
+}
+
+impl Read for Lines {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let available = self.fill_buf()?;
+        let count = available.len().min(out.len());
+        out[..count].copy_from_slice(&available[..count]);
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl BufRead for Lines {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.position == self.line.len() {
+            self.line.clear();
+            self.position = 0;
+            if self.inner.read_until(b'\n', &mut self.line)? > 0 {
+                self.number += 1;
+                let keyword = self.line.trim_ascii_start().split(u8::is_ascii_whitespace).next().unwrap_or_default();
+                if self.skipped.iter().any(|skipped| skipped.as_bytes() == keyword) {
+                    self.line = vec![b'\n'];
+                }
+            }
+        }
+        Ok(&self.line[self.position..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.position += count;
+    }
+}

@@ -1,0 +1,158 @@
+//! PLY meshes: ASCII and both binary encodings.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+
+use super::builder::Mesh;
+use crate::error::{Error, Result};
+
+/// Reads positions, normals (if all three are there) and faces; polygons become fans of triangles.
+pub fn read(path: &Path) -> Result<Mesh> {
+    let file = File::open(path).map_err(|error| Error::read(path, error))?;
+    let wrong = |error: ParseError| {
+        let message = error.to_string();
+        let first_line = message.lines().next().unwrap_or("unreadable").trim_end_matches(['.', ':']).to_owned();
+        let message = first_line
+            .split_once(": ")
+            .filter(|_| error.line().is_some())
+            .map_or(first_line.clone(), |(_, rest)| rest.to_owned());
+        match error.line().and_then(|line| u32::try_from(line).ok()) {
+            Some(line) => Error::scene_line(path, line, format!("not a valid PLY file: {message}")),
+            None => Error::scene(path, format!("not a valid PLY file: {message}")),
+        }
+    };
+    let mut reader = Reader::new(BufReader::new(file));
+    let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
+    let mut mesh = Mesh::default();
+    let mut has_faces = false;
+    for (_, element) in &header.elements {
+        match element.name.as_str() {
+            "vertex" => {
+                for needed in ["x", "y", "z"] {
+                    if !element.properties.contains_key(needed) {
+                        return Err(Error::scene(path, format!("the element 'vertex' has no property '{needed}'")));
+                    }
+                }
+                let vertices =
+                    Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+                if ["nx", "ny", "nz"].iter().all(|name| element.properties.contains_key(*name)) {
+                    mesh.normals = vertices.iter().map(|vertex| vertex.normal).collect();
+                }
+                mesh.positions = vertices.iter().map(|vertex| vertex.position).collect();
+            }
+            "face" => {
+                has_faces = true;
+                let faces =
+                    Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+                for (index, face) in faces.iter().enumerate() {
+                    let [first, rest @ ..] = &face.0[..] else { continue };
+                    if rest.len() < 2 {
+                        return Err(Error::scene(
+                            path,
+                            format!("face {index} has {} vertices, and needs three or more", face.0.len()),
+                        ));
+                    }
+                    mesh.triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+                }
+            }
+            _ => {
+                // Something else, such as edges: read past it.
+                Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+            }
+        }
+    }
+    if mesh.positions.is_empty() || !has_faces {
+        return Err(Error::scene(
+            path,
+            "the file has no element 'vertex' with data, or no element 'face': it is not a mesh",
+        ));
+    }
+    let count = mesh.positions.len();
+    if let Some((index, triangle)) =
+        mesh.triangles.iter().enumerate().find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= count))
+    {
+        let bad = triangle.iter().find(|vertex| **vertex as usize >= count).copied().unwrap_or_default();
+        return Err(Error::scene(
+            path,
+            format!("triangle {index} refers to vertex {bad}, and there are {count} vertices (0 to {})", count - 1),
+        ));
+    }
+    Ok(mesh)
+}
+
+#[derive(Clone, Copy, Default)]
+struct Vertex {
+    position: DVec3,
+    normal: Vec3,
+}
+
+#[derive(Default)]
+struct Face(Vec<u32>);
+
+struct Skipped;
+
+fn scalar(property: &Property) -> Option<f64> {
+    match property {
+        Property::Double(value) => Some(*value),
+        Property::Float(value) => Some(f64::from(*value)),
+        other => other.to_f32_lossy().map(f64::from),
+    }
+}
+
+impl PropertyAccess for Vertex {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let Some(value) = scalar(&property) else { return PropertyAccessResult::Ignored };
+        match name {
+            "x" => self.position.x = value,
+            "y" => self.position.y = value,
+            "z" => self.position.z = value,
+            "nx" => self.normal.x = value as f32,
+            "ny" => self.normal.y = value as f32,
+            "nz" => self.normal.z = value as f32,
+            _ => return PropertyAccessResult::Ignored,
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if name != "vertex_indices" && name != "vertex_index" {
+            return PropertyAccessResult::Ignored;
+        }
+        // A negative index is out of range, which the check of the whole mesh reports.
+        self.0 = match property {
+            Property::ListChar(list) => list.into_iter().map(|index| i32::from(index) as u32).collect(),
+            Property::ListShort(list) => list.into_iter().map(|index| i32::from(index) as u32).collect(),
+            Property::ListInt(list) => list.into_iter().map(|index| index as u32).collect(),
+            other => match other.to_u32_list() {
+                Some(list) => list,
+                None => return PropertyAccessResult::Ignored,
+            },
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+impl PropertyAccess for Skipped {
+    fn new() -> Self {
+        Self
+    }
+
+    fn set_property(&mut self, _: &str, _: Property) -> PropertyAccessResult {
+        PropertyAccessResult::Ignored
+    }
+}
