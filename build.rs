@@ -102,7 +102,7 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
     let text = fs::read_to_string(&source).map_err(|error| format!("cannot read {source}: {error}"))?;
     let mut options = shaderc::CompileOptions::new().map_err(|error| error.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
-    options.set_target_spirv(shaderc::SpirvVersion::V1_6);
+    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
     options.set_optimization_level(shaderc::OptimizationLevel::Zero);
     options.set_warnings_as_errors();
     for define in &variant.defines {

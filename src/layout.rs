@@ -210,7 +210,12 @@ shared_structs! {
         lights: uvec2,
         /// Device address of the [`Instance`]s.
         instances: uvec2,
-        /// Device address of the pixel filter's table: [`FILTER_CELLS`] + 1 positions, then as many weights.
+        /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).
+        filter_parameters: vec2,
+        /// One over the filter's integral.
+        filter_scale: float,
+        /// Device address of the positions that divide the integral of the filter's absolute value into
+        /// [`FILTER_CELLS`] equal parts.
         filter_table: uvec2,
     }
 
@@ -289,6 +294,50 @@ shared_structs! {
         /// 1 where `trace_any` found the ray blocked.
         blocked: uint,
     }
+
+    /// Directions and uniform numbers to ask a BSDF about.
+    pub struct BsdfQuery {
+        /// Index of the material.
+        material: uint,
+        /// Outgoing direction, local.
+        wo: vec3,
+        /// Incident direction to evaluate, local.
+        wi: vec3,
+        /// Numbers to sample another one with.
+        u: vec3,
+    }
+
+    /// The answer to a [`BsdfQuery`].
+    pub struct BsdfAnswer {
+        /// f |cos| of the query's directions.
+        value: vec3,
+        /// Density of the query's incident direction.
+        pdf_w: float,
+        /// The sampled incident direction.
+        sampled: vec3,
+        /// f |cos| / density of the sampled direction.
+        weight: vec3,
+        /// Density of the sampled direction.
+        sampled_pdf_w: float,
+        /// f |cos| of the sampled direction, evaluated.
+        sampled_value: vec3,
+        /// Density of the sampled direction, evaluated.
+        evaluated_pdf_w: float,
+        /// 1 where the sampled lobe is a delta.
+        delta: uint,
+    }
+
+    /// A coordinate of the random numbers.
+    pub struct RandomQuery {
+        /// Pixel index.
+        pixel: uint,
+        /// Sample index.
+        sample_index: uint,
+        /// Block of four dimensions.
+        dimension: uint,
+        /// Seed.
+        seed: uint,
+    }
 }
 
 /// A constant with the same name and value on both sides.
@@ -343,6 +392,15 @@ shared_constants! {
     /// Parallel light from infinitely far.
     pub const LIGHT_DIRECTIONAL = 4;
 
+    /// Constant over the pixel.
+    pub const FILTER_BOX = 0;
+    /// Falls linearly.
+    pub const FILTER_TENT = 1;
+    /// A Gaussian cut off and lowered to zero there.
+    pub const FILTER_GAUSSIAN = 2;
+    /// The cubic of Mitchell and Netravali.
+    pub const FILTER_MITCHELL = 3;
+
     /// Descriptor binding of [`SceneUniforms`].
     pub const BINDING_SCENE = 0;
     /// Descriptor binding of the top-level acceleration structure (`ray-query` only).
@@ -357,7 +415,7 @@ shared_constants! {
 
     /// Threads of a workgroup; pixels go to it in tiles of 8 x 8.
     pub const WORKGROUP = 64;
-    /// Cells of the pixel filter's table.
+    /// Cells that the pixel filter's table divides it into.
     pub const FILTER_CELLS = 64;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;
@@ -453,8 +511,8 @@ specialisation! {
     14 background HAS_BACKGROUND: bool;
     /// Entries of the light table.
     15 light_count LIGHT_COUNT: uint;
-    /// The pixel filter is the unit box, which needs no table.
-    16 filter_box FILTER_IS_BOX: bool;
+    /// The pixel filter, one of the `FILTER_*` constants.
+    16 filter FILTER: uint;
     /// Layers by path length, 0 for none; the last one also takes every longer path.
     17 length_layers LENGTH_LAYERS: uint;
     /// Longest path in segments; `NONE` is no limit.

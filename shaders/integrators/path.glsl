@@ -6,6 +6,9 @@
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
 
+// Segments after which even a path that has lost nothing may end: between perfect mirrors it would go on for ever.
+const uint ENDLESS = 4096u;
+
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
     bool found = trace_closest(path.ray, hit);
@@ -40,12 +43,13 @@ bool path_extend(inout Path path, inout Estimate e) {
     // 3. The next direction.
     path_scatter(path, v, bsdf_sample(m, v.wo, bsdf_u.xyz));
 
-    // 4. Russian roulette: survive with the probability that the path still matters. Radiance that is scaled by crossing
-    // into glass comes back when it leaves, so eta^2 takes that out of the decision.
+    // 4. Russian roulette: survive with the probability that the path still matters, which keeps throughputs near one. A
+    // constant limit below one would make them grow without bound where nearly all light is reflected. Radiance that is
+    // scaled by crossing into glass comes back when it leaves, so eta^2 takes that out of the decision.
     float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
     if (greatest == 0.0) return false;
     if (path.depth >= RR_DEPTH) {
-        float survive = min(greatest * path.eta * path.eta, 0.95);
+        float survive = min(greatest * path.eta * path.eta, path.depth < ENDLESS ? 1.0 : 0.999);
         if (bsdf_u.w >= survive) return false;
         path.throughput /= survive;
     }

@@ -1,14 +1,18 @@
 // Fresnel reflectance of unpolarised light.
 
-// Dielectric of relative index eta (inside over outside), met at cos_i > 0 from the outside where eta is as stored, or
-// with eta inverted from the inside. Also returns the cosine of refraction, 0 under total internal reflection.
-// (Born and Wolf, Principles of Optics, section 1.5.2)
+// Dielectric whose far side has eta times the index of the near side, given the cosines of incidence and refraction
+// (Born and Wolf, Principles of Optics, section 1.5.2). The same seen from either side.
+float fresnel_refracting(float cos_i, float cos_t, float eta) {
+    float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    return 0.5 * (parallel * parallel + perpendicular * perpendicular);
+}
+
+// The same given the cosine of incidence alone; also finds that of refraction, which is 0 under total internal reflection.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t) {
     float sin2_t = max(0.0, 1.0 - cos_i * cos_i) / (eta * eta);
     cos_t = sqrt(max(0.0, 1.0 - sin2_t));
-    float parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    float perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    return sin2_t >= 1.0 ? 1.0 : 0.5 * (parallel * parallel + perpendicular * perpendicular);
+    return sin2_t >= 1.0 ? 1.0 : fresnel_refracting(cos_i, cos_t, eta);
 }
 
 // Conductor of complex relative index eta + i k, per colour channel.

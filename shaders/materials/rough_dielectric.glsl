@@ -1,12 +1,34 @@
 // Rough glass: reflection and refraction at GGX microfacets (Walter et al. 2007, equations 20 and 21). wo may lie on
 // either side; eta is the index of the side that wo does not lie on over that of the side it does.
 
-// The microfacet normal that takes wo to wi, on the side of +z; which event it is; and the index ratio.
-vec3 rough_dielectric_half(Material m, vec3 wo, vec3 wi, out bool reflected, out float eta) {
-    eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
-    reflected = wo.z * wi.z > 0.0;
-    vec3 h = normalize(reflected ? wo + wi : wo + eta * wi);
-    return h.z < 0.0 ? -h : h;
+// How a microfacet takes wo to wi.
+struct Microfacet {
+    vec3 normal;    // on the side of +z
+    bool reflected;
+    float near;     // index of the medium that wo lies in: 1 above, the material's below
+    float far;      // index of the medium that wi lies in
+    float wo_h;     // cosine between wo and the normal, signed
+    float wi_h;
+    bool valid;     // neither direction sees the microfacet from behind
+    float fresnel;
+};
+
+Microfacet rough_dielectric_facet(Material m, vec3 wo, vec3 wi) {
+    Microfacet f;
+    f.near = wo.z > 0.0 ? 1.0 : m.eta;
+    f.far = wi.z > 0.0 ? 1.0 : m.eta;
+    f.reflected = wo.z * wi.z > 0.0;
+    vec3 h = normalize(f.reflected ? wo + wi : f.near * wo + f.far * wi); // the same bits with wo and wi exchanged
+    f.normal = h.z < 0.0 ? -h : h;
+    f.wo_h = dot(wo, f.normal);
+    f.wi_h = dot(wi, f.normal);
+    f.valid = f.wo_h * wo.z > 0.0 && f.wi_h * wi.z > 0.0;
+    float cos_t;
+    // Both cosines are known where light is refracted, and near the critical angle finding one from the other cancels.
+    // Where it is reflected they are the same but for rounding, to which Fresnel's equations are as sensitive there.
+    f.fresnel = f.reflected ? fresnel_dielectric(0.5 * abs(f.wo_h + f.wi_h), wo.z > 0.0 ? m.eta : 1.0 / m.eta, cos_t)
+                            : fresnel_refracting(abs(f.wo_h), abs(f.wi_h), f.far / f.near);
+    return f;
 }
 
 BsdfSample rough_dielectric_sample(Material m, vec3 wo, vec3 u) {
@@ -31,35 +53,20 @@ BsdfSample rough_dielectric_sample(Material m, vec3 wo, vec3 u) {
 
 vec3 rough_dielectric_eval(Material m, vec3 wo, vec3 wi) {
     vec2 alpha = vec2(m.alpha_u, m.alpha_v);
-    bool reflected;
-    float eta;
-    vec3 h = rough_dielectric_half(m, wo, wi, reflected, eta);
-    float wo_h = dot(wo, h);
-    float wi_h = dot(wi, h);
-    // A microfacet seen from behind carries nothing.
-    if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return vec3(0.0);
-    float cos_t;
-    float f = fresnel_dielectric(abs(wo_h), eta, cos_t);
-    float unsplit = ggx_d(h, alpha) * ggx_g2(wo, wi, alpha, is_correlated(m));
-    if (reflected) return m.reflectance * (f * unsplit / (4.0 * abs(wo.z)));
-    float denominator = wo_h + eta * wi_h;
-    // Equation 21 with the eta^2 of importance divided out: radiance.
-    return m.transmittance * ((1.0 - f) * unsplit * abs(wo_h * wi_h / (wo.z * denominator * denominator)));
+    Microfacet f = rough_dielectric_facet(m, wo, wi);
+    if (!f.valid) return vec3(0.0);
+    float visible = ggx_d(f.normal, alpha) * ggx_g2(wo, wi, alpha, is_correlated(m));
+    if (f.reflected) return m.reflectance * (f.fresnel * visible / (4.0 * abs(wo.z)));
+    float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.near;
+    return m.transmittance * ((1.0 - f.fresnel) * visible * abs(f.wo_h * f.wi_h / (wo.z * denominator * denominator)));
 }
 
 float rough_dielectric_pdf(Material m, vec3 wo, vec3 wi) {
     vec2 alpha = vec2(m.alpha_u, m.alpha_v);
-    bool reflected;
-    float eta;
-    vec3 h = rough_dielectric_half(m, wo, wi, reflected, eta);
-    float side = wo.z > 0.0 ? 1.0 : -1.0;
-    float wo_h = dot(wo, h);
-    float wi_h = dot(wi, h);
-    if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return 0.0;
-    float cos_t;
-    float f = fresnel_dielectric(abs(wo_h), eta, cos_t);
-    float normal_pdf = ggx_visible_pdf(side * wo, h, alpha);
-    if (reflected) return f * normal_pdf / (4.0 * abs(wo_h));
-    float denominator = wo_h + eta * wi_h;
-    return (1.0 - f) * normal_pdf * eta * eta * abs(wi_h) / (denominator * denominator);
+    Microfacet f = rough_dielectric_facet(m, wo, wi);
+    if (!f.valid) return 0.0;
+    float normal_pdf = ggx_visible_pdf(wo.z > 0.0 ? wo : -wo, f.normal, alpha);
+    if (f.reflected) return f.fresnel * normal_pdf / (4.0 * abs(f.wo_h));
+    float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.far;
+    return (1.0 - f.fresnel) * normal_pdf * abs(f.wi_h) / (denominator * denominator);
 }

@@ -5,22 +5,23 @@
 //! is answered at once.
 
 mod frames;
+mod kernel;
+mod probe;
 mod settings;
 mod upload;
 
 use std::time::{Duration, Instant};
 
+pub use probe::Probe;
 pub use settings::{Settings, Technique};
 
-use crate::backend::Backend;
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film};
-use crate::gpu::{Bindings, Buffer, Gpu, Pipeline};
-use crate::layout::{
-    BAD_SAMPLES, FilmPixel, FrameConstants, INLINE_FIRST_ID, NONE, RAY_COUNTERS, Specialisation, WORKGROUP, address,
-};
-use crate::scene::{Needs, Scene};
+use crate::gpu::{Buffer, Gpu};
+use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
+use crate::scene::Scene;
 use frames::FramePlan;
+use kernel::Kernel;
 pub use upload::Uploaded;
 
 /// Seconds that the parts of a rendering took.
@@ -40,9 +41,7 @@ pub struct Seconds {
 pub struct Renderer {
     gpu: Gpu,
     settings: Settings,
-    pipeline: Pipeline,
-    bindings: Bindings,
-    scene: Uploaded,
+    kernel: Kernel,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -56,53 +55,25 @@ pub struct Renderer {
 impl Renderer {
     /// Uploads the scene and makes the kernels.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
-        gpu.require(settings.backend)?;
-        settings.check()?;
-        let started = Instant::now();
-        let mut special = Specialisation {
-            length_layers: settings.lengths,
-            max_depth: settings.max_depth.unwrap_or(NONE),
-            rr_depth: settings.rr_depth,
-            filter_box: settings.filter == crate::scene::Filter::Box,
-            wide_loads: gpu.survey().kind == crate::gpu::DeviceKind::Cpu,
-            ..Specialisation::default()
-        };
-        let words = settings.technique.words();
-        [special.param0, special.param1, special.param2, special.param3] = words;
-        Needs::of(scene).specialise(&mut special);
-        let uploaded = Uploaded::new(gpu, scene, settings)?;
-        special.stack_size = uploaded.stack_size;
-        special.inline_count = uploaded.inline.len() as u32;
-        let build = started.elapsed();
-
-        let started = Instant::now();
         let name = format!("{}.pixels.{}", settings.technique.row.name, settings.backend.name());
-        let mut constants = special.words();
-        let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
-        constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
-        let pipeline = Pipeline::new(gpu, &name, &constants, settings.backend == Backend::RayQuery)?;
-        let bindings = pipeline.bind(&uploaded.uniforms, uploaded.tlas.as_ref())?;
+        let kernel = Kernel::new(gpu, scene, settings, &name)?;
+        let started = Instant::now();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
-        let film = Buffer::zeroed(gpu, "film", pixels * size_of::<FilmPixel>() as u64)?;
-        let layers = Buffer::zeroed(gpu, "film by path length", pixels * u64::from(settings.lengths) * 24)?;
-        let tally = Buffer::zeroed(gpu, "tally", 4 * u64::from(1 + 2 * BAD_SAMPLES + RAY_COUNTERS))?;
         let mut renderer = Self {
             gpu: gpu.clone(),
             settings: settings.clone(),
-            pipeline,
-            bindings,
-            scene: uploaded,
-            film,
-            layers,
-            tally,
+            film: Buffer::zeroed(gpu, "film", pixels * size_of::<FilmPixel>() as u64)?,
+            layers: Buffer::zeroed(gpu, "film by path length", pixels * u64::from(settings.lengths) * 24)?,
+            tally: Buffer::zeroed(gpu, "tally", 4 * u64::from(1 + 2 * BAD_SAMPLES + RAY_COUNTERS))?,
             plan: FramePlan::new(settings.width, settings.height, gpu.limits().max_workgroups),
-            seconds: Seconds { build: build.as_secs_f64(), ..Seconds::default() },
+            seconds: Seconds { build: kernel.build_seconds, ..Seconds::default() },
+            kernel,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
         renderer.dispatch(0, 0, 0, 0)?;
-        renderer.seconds.compile = started.elapsed().as_secs_f64();
+        renderer.seconds.compile = renderer.kernel.compile_seconds + started.elapsed().as_secs_f64();
         Ok(renderer)
     }
 
@@ -140,7 +111,7 @@ impl Renderer {
 
     /// What was uploaded.
     pub fn scene(&self) -> &Uploaded {
-        &self.scene
+        &self.kernel.scene
     }
 
     /// What it renders with.
@@ -179,10 +150,10 @@ impl Renderer {
         let pass = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let work =
             format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
-        let (pipeline, bindings, tally) = (&self.pipeline, &self.bindings, &self.tally);
+        let (kernel, tally) = (&self.kernel, &self.tally);
         let took = self.gpu.run(&pass, &work, |commands| {
             commands.clear(tally);
-            commands.dispatch(pipeline, bindings, bytemuck::bytes_of(&constants), workgroups);
+            commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
             commands.barrier();
         })?;
         let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;

@@ -29,6 +29,7 @@ pub struct Uploaded {
     pub(super) inline: Vec<Primitive>,
     buffers: Vec<(&'static str, Buffer)>,
     order: Vec<u32>,
+    instance_order: Vec<u32>,
 }
 
 /// What a backend's acceleration structure asks of the arrays.
@@ -36,6 +37,8 @@ struct Built {
     /// For each uploaded primitive, its index in the scene.
     order: Vec<u32>,
     instances: Vec<layout::Instance>,
+    /// For each uploaded instance, its index in the scene.
+    instance_order: Vec<u32>,
     nodes: Vec<u8>,
     tlas: Option<Tlas>,
     stack_size: u32,
@@ -70,7 +73,7 @@ impl Uploaded {
             buffers.push((name, buffer));
             Ok(place)
         };
-        let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.table() };
+        let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
         let plane = scene.camera(settings.camera.as_deref())?.image_plane(settings.width, settings.height);
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let uniforms = SceneUniforms {
@@ -88,6 +91,8 @@ impl Uploaded {
             materials: upload("materials", bytemuck::cast_slice(&scene.materials))?,
             lights: upload("lights", bytemuck::cast_slice(&scene.lights))?,
             instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
+            filter_parameters: settings.filter.parameters().1,
+            filter_scale: (1.0 / settings.filter.integral()) as f32,
             filter_table: upload("pixel filter", bytemuck::cast_slice(&filter_table))?,
         };
         let mut block = bytemuck::bytes_of(&uniforms).to_vec();
@@ -101,6 +106,7 @@ impl Uploaded {
             inline: if inline_fits { primitives } else { Vec::new() },
             buffers,
             order: built.order,
+            instance_order: built.instance_order,
         })
     }
 
@@ -115,6 +121,11 @@ impl Uploaded {
     /// For each uploaded primitive, its index in the scene: hits are reported in this order.
     pub fn order(&self) -> &[u32] {
         &self.order
+    }
+
+    /// For each uploaded instance, its index in the scene.
+    pub fn instance_order(&self) -> &[u32] {
+        &self.instance_order
     }
 }
 
@@ -156,6 +167,7 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
             .collect();
         Bvh::build(&boxes)
     });
+    let instance_order = top.as_ref().map_or(vec![0], |top| top.order.clone());
     let top_depth = top.as_ref().map_or(0, |top| top.depth);
     let stack_size = top_depth + trees.iter().map(|tree| tree.depth).max().unwrap_or(1) + 2;
 
@@ -183,7 +195,7 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
         nodes.extend_from_slice(bytemuck::cast_slice(&placed));
     }
     debug_assert_eq!(nodes.len() % NODE_BYTES as usize, 0);
-    Built { order, instances, nodes, tlas: None, stack_size }
+    Built { order, instances, instance_order, nodes, tlas: None, stack_size }
 }
 
 /// A box around a transformed box, a little outwards: traversal maps rays, not boxes, and rounds differently.
@@ -221,13 +233,15 @@ fn build_ray_query(gpu: &Gpu, scene: &Scene) -> Result<Built> {
     }
     let mut placements = Vec::new();
     let mut instances = Vec::new();
-    for placed in &scene.instances {
+    let mut instance_order = Vec::new();
+    for (index, placed) in scene.instances.iter().enumerate() {
         for (part, first_primitive) in &parts_of_group[placed.group] {
             placements.push(Placement { part: *part, world: rows(&placed.to_world), index: instances.len() as u32 });
             instances.push(instance(&placed.to_world, 0, *first_primitive));
+            instance_order.push(index as u32);
         }
     }
     let tlas = Tlas::build(gpu, parts, &placements)?;
     let order = (0..scene.primitives.len() as u32).collect();
-    Ok(Built { order, instances, nodes: Vec::new(), tlas: Some(tlas), stack_size: 1 })
+    Ok(Built { order, instances, instance_order, nodes: Vec::new(), tlas: Some(tlas), stack_size: 1 })
 }

@@ -4,7 +4,7 @@
 //! its mean is the filtered image (Ernst, Stamminger and Greiner 2006). Pixels stay independent of each other, which is
 //! what makes the film's sums reproducible and its variance meaningful.
 
-use crate::layout::FILTER_CELLS;
+use crate::layout::{FILTER_BOX, FILTER_CELLS, FILTER_GAUSSIAN, FILTER_MITCHELL, FILTER_TENT};
 
 /// A separable reconstruction filter; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,83 +73,89 @@ impl Filter {
         }
     }
 
-    /// The table that `filter_offset` in `shaders/lib/camera.glsl` reads: `FILTER_CELLS + 1` positions that divide the
-    /// integral of the filter's absolute value into equal parts, then the weight of each cell. Within a cell the density
-    /// is uniform, and the weight makes up for what the filter has more or less there on average.
-    pub fn table(&self) -> Vec<f32> {
-        const STEPS: usize = 1 << 14;
-        let cells = FILTER_CELLS as usize;
-        let radius = self.radius();
-        let step = 2.0 * radius / STEPS as f64;
-        let at = |index: usize| -radius + (index as f64 + 0.5) * step;
-        let mut magnitude = vec![0.0; STEPS + 1];
-        let mut signed = vec![0.0; STEPS + 1];
+    /// Its kind and parameters as the shaders take them.
+    pub(crate) fn parameters(&self) -> (u32, [f32; 2]) {
+        let (kind, parameters) = match *self {
+            Self::Box => (FILTER_BOX, [0.0; 2]),
+            Self::Tent { radius } => (FILTER_TENT, [radius, 0.0]),
+            Self::Gaussian { stddev, radius } => (FILTER_GAUSSIAN, [stddev, radius]),
+            Self::Mitchell { b, c } => (FILTER_MITCHELL, [b, c]),
+        };
+        (kind, parameters.map(|parameter| parameter as f32))
+    }
+
+    /// Its integral, signed and of its absolute value, up to each of `STEPS` equal steps across it.
+    fn running_integrals(&self) -> (Vec<f64>, Vec<f64>) {
+        let step = 2.0 * self.radius() / STEPS as f64;
+        let (mut signed, mut absolute) = (vec![0.0; STEPS + 1], vec![0.0; STEPS + 1]);
         for index in 0..STEPS {
-            let value = self.value(at(index)) * step;
-            magnitude[index + 1] = magnitude[index] + value.abs();
+            let value = self.value(-self.radius() + (index as f64 + 0.5) * step) * step;
             signed[index + 1] = signed[index] + value;
+            absolute[index + 1] = absolute[index] + value.abs();
         }
-        let (total, integral) = (magnitude[STEPS], signed[STEPS]);
-        // The position where `sums`, a running integral over the steps, has this value.
-        let position = |target: f64| {
-            let right = magnitude.partition_point(|sum| *sum < target).clamp(1, STEPS);
-            let (low, high) = (magnitude[right - 1], magnitude[right]);
-            right as f64 - 1.0 + if high > low { (target - low) / (high - low) } else { 0.0 }
+        (signed, absolute)
+    }
+
+    /// Its integral.
+    pub(crate) fn integral(&self) -> f64 {
+        self.running_integrals().0[STEPS]
+    }
+
+    /// The positions that divide the integral of its absolute value into `FILTER_CELLS` equal parts: `filter_offset` in
+    /// `shaders/lib/camera.glsl` draws a cell, then a place in it, and weights by the filter's value there.
+    pub(crate) fn cells(&self) -> Vec<f32> {
+        let (_, sums) = self.running_integrals();
+        let step = 2.0 * self.radius() / STEPS as f64;
+        let position = |cell: u32| {
+            let target = sums[STEPS] * f64::from(cell) / f64::from(FILTER_CELLS);
+            let right = sums.partition_point(|sum| *sum < target).clamp(1, STEPS);
+            let (low, high) = (sums[right - 1], sums[right]);
+            let within = if high > low { (target - low) / (high - low) } else { 0.0 };
+            (-self.radius() + (right as f64 - 1.0 + within) * step) as f32
         };
-        let bounds: Vec<f64> = (0..=cells).map(|cell| position(total * cell as f64 / cells as f64)).collect();
-        let signed_up_to = |position: f64| {
-            let whole = (position as usize).min(STEPS - 1);
-            signed[whole] + (signed[whole + 1] - signed[whole]) * (position - whole as f64)
-        };
-        let mut table: Vec<f32> = bounds.iter().map(|bound| (-radius + bound * step) as f32).collect();
-        // Each cell is chosen with probability 1 / cells and stands for its share of the filter's integral.
-        table.extend(
-            bounds
-                .windows(2)
-                .map(|pair| ((signed_up_to(pair[1]) - signed_up_to(pair[0])) / integral * cells as f64) as f32),
-        );
-        table
+        let mut positions: Vec<f32> = (0..=FILTER_CELLS).map(position).collect();
+        // The tails that the steps cannot tell from nothing belong to the outermost cells.
+        (positions[0], positions[FILTER_CELLS as usize]) = (-self.radius() as f32, self.radius() as f32);
+        positions
     }
 }
+
+/// Steps of the filter's quadrature.
+const STEPS: usize = 1 << 14;
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn cells_reproduce_the_moments_of_the_filter() {
-        for filter in [
-            Filter::Box,
-            Filter::Tent { radius: 1.0 },
-            Filter::GAUSSIAN,
-            Filter::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 },
-        ] {
-            let table = filter.table();
-            let (bounds, weights) = table.split_at(FILTER_CELLS as usize + 1);
+    fn cells_and_weights_reproduce_the_moments_of_the_filter() {
+        let third = 1.0 / 3.0;
+        for filter in
+            [Filter::Box, Filter::Tent { radius: 1.0 }, Filter::GAUSSIAN, Filter::Mitchell { b: third, c: third }]
+        {
+            let (cells, integral) = (filter.cells(), filter.integral());
+            // What the shader does, with the random number within a cell at the nodes of a quadrature.
             let moment = |power: i32| -> f64 {
-                let cell = |(pair, weight): (&[f32], &f32)| {
-                    let (low, high) = (f64::from(pair[0]), f64::from(pair[1]));
-                    let n = f64::from(power + 1);
-                    f64::from(*weight) * (high.powf(n) - low.powf(n)) / (n * (high - low)).max(1e-30)
-                };
-                bounds.windows(2).zip(weights).map(cell).sum::<f64>() / f64::from(FILTER_CELLS)
+                let nodes =
+                    cells.windows(2).flat_map(|pair| (0..200).map(move |node| (pair, (f64::from(node) + 0.5) / 200.0)));
+                let terms = nodes.map(|(pair, t)| {
+                    let (left, right) = (f64::from(pair[0]), f64::from(pair[1]));
+                    let x = left * (1.0 - t) + right * t;
+                    filter.value(x) / integral * (right - left) * x.powi(power)
+                });
+                terms.sum::<f64>() / 200.0
             };
-            let steps = 200_000;
             let exact = |power: i32| -> f64 {
-                let radius = filter.radius();
-                let x = |index: usize| -radius + (index as f64 + 0.5) * 2.0 * radius / f64::from(steps);
+                let x = |index: u32| filter.radius() * ((f64::from(index) + 0.5) / 1e5 - 1.0);
                 let sum =
-                    |p: i32| (0..steps as usize).map(|index| filter.value(x(index)) * x(index).powi(p)).sum::<f64>();
+                    |power: i32| (0..200_000).map(|index| filter.value(x(index)) * x(index).powi(power)).sum::<f64>();
                 sum(power) / sum(0)
             };
-            assert!((moment(0) - 1.0).abs() < 1e-6, "{filter:?}: the weights' mean is {}", moment(0));
-            assert!(moment(1).abs() < 1e-5, "{filter:?}: first moment {}", moment(1));
-            assert!(
-                (moment(2) - exact(2)).abs() < 2e-3 * exact(2).abs().max(0.1),
-                "{filter:?}: {} against {}",
-                moment(2),
-                exact(2)
-            );
+            assert!((moment(0) - 1.0).abs() < 1e-5, "{filter:?}: the mean weight is {}", moment(0));
+            for power in 1..5 {
+                let (found, expected) = (moment(power), exact(power));
+                assert!((found - expected).abs() < 1e-4, "{filter:?}: moment {power} is {found}, not {expected}");
+            }
         }
     }
 }

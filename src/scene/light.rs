@@ -105,7 +105,8 @@ pub(crate) fn fill_alias_table(lights: &mut [Light], weights: &[f64], total_prob
         light.probability = (share / count as f64 * total_probability) as f32;
     }
     let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..count).partition(|index| share[*index] < 1.0);
-    while let (Some(lesser), Some(greater)) = (small.pop(), large.last().copied()) {
+    while let (Some(lesser), Some(greater)) = (small.last().copied(), large.last().copied()) {
+        small.pop();
         lights[lesser].keep = share[lesser] as f32;
         lights[lesser].alias = greater as u32;
         share[greater] -= 1.0 - share[lesser];
@@ -114,6 +115,7 @@ pub(crate) fn fill_alias_table(lights: &mut [Light], weights: &[f64], total_prob
             small.push(greater);
         }
     }
+    // What rounding leaves over has a share of one.
     for rest in small.into_iter().chain(large) {
         lights[rest].keep = 1.0;
         lights[rest].alias = rest as u32;
@@ -124,23 +126,30 @@ pub(crate) fn fill_alias_table(lights: &mut [Light], weights: &[f64], total_prob
 mod tests {
     use super::*;
 
+    /// The probability with which the table selects each entry.
+    fn selected(lights: &[Light]) -> Vec<f64> {
+        let mut probability = vec![0.0; lights.len()];
+        for (index, light) in lights.iter().enumerate() {
+            probability[index] += f64::from(light.keep) / lights.len() as f64;
+            probability[light.alias as usize] += (1.0 - f64::from(light.keep)) / lights.len() as f64;
+        }
+        probability
+    }
+
     #[test]
     fn alias_table_selects_in_proportion() {
-        let weights = [1.0, 5.0, 0.0, 0.25, 3.75, 2.0];
-        let mut lights = vec![Light::default(); weights.len()];
-        fill_alias_table(&mut lights, &weights, 0.5);
-        let count = lights.len() as f64;
-        for index in 0..lights.len() {
-            let kept = f64::from(lights[index].keep);
-            let given: f64 = lights
-                .iter()
-                .filter(|light| light.alias as usize == index)
-                .map(|light| 1.0 - f64::from(light.keep))
-                .sum();
-            let expected = weights[index] / 12.0;
-            let own_alias = if lights[index].alias as usize == index { 0.0 } else { given };
-            assert!(((kept + own_alias) / count - expected).abs() < 1e-6, "entry {index}");
-            assert!((f64::from(lights[index].probability) - 0.5 * expected).abs() < 1e-7);
+        let skewed = |count: usize| (0..count).map(|index| 1e-3 + (index as f64 * 0.37).sin().powi(8) * 1e4).collect();
+        let cases: [Vec<f64>; 5] =
+            [vec![3.0], vec![1.0, 5.0, 0.0, 0.25, 3.75, 2.0], vec![1.0; 7], skewed(5), skewed(1000)];
+        for weights in cases {
+            let mut lights = vec![Light::default(); weights.len()];
+            fill_alias_table(&mut lights, &weights, 0.5);
+            let sum: f64 = weights.iter().sum();
+            for ((weight, light), found) in weights.iter().zip(&lights).zip(selected(&lights)) {
+                let expected = weight / sum;
+                assert!((found - expected).abs() < 1e-6, "{found} against {expected}");
+                assert!((f64::from(light.probability) - 0.5 * expected).abs() < 1e-6 * expected.max(1e-3));
+            }
         }
     }
 }

@@ -22,8 +22,8 @@ pub(super) fn read_geometry(path: &Path) -> Result<Mesh> {
     let (models, _) = read(path, reader, |_| Ok((Vec::new(), Default::default())))?;
     let mut models = models.into_iter();
     match (models.next(), models.next()) {
-        (Some(model), None) => Ok(to_mesh(model.mesh)),
-        (None, _) => Err(Error::scene(path, "the file has no faces")),
+        (Some(model), None) if !model.mesh.indices.is_empty() => Ok(to_mesh(model.mesh)),
+        (_, None) => Err(Error::scene(path, "the file has no faces")),
         _ => Err(Error::scene(path, "the file holds more than one mesh")),
     }
 }
@@ -35,7 +35,7 @@ pub fn load(path: &Path) -> Result<Scene> {
         let library = path.parent().unwrap_or(Path::new("")).join(name);
         tobj::load_mtl(&library).inspect_err(|error| missing.set(Some((library.clone(), *error))))
     })?;
-    if models.is_empty() {
+    if models.iter().all(|model| model.mesh.indices.is_empty()) {
         return Err(Error::scene(path, "the file has no faces"));
     }
     let mut builder = SceneBuilder::new(path);

@@ -14,18 +14,7 @@ use crate::error::{Error, Result};
 /// Reads positions, normals (if all three are there) and faces; polygons become fans of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {
     let file = File::open(path).map_err(|error| Error::read(path, error))?;
-    let wrong = |error: ParseError| {
-        let message = error.to_string();
-        let first_line = message.lines().next().unwrap_or("unreadable").trim_end_matches(['.', ':']).to_owned();
-        let message = first_line
-            .split_once(": ")
-            .filter(|_| error.line().is_some())
-            .map_or(first_line.clone(), |(_, rest)| rest.to_owned());
-        match error.line().and_then(|line| u32::try_from(line).ok()) {
-            Some(line) => Error::scene_line(path, line, format!("not a valid PLY file: {message}")),
-            None => Error::scene(path, format!("not a valid PLY file: {message}")),
-        }
-    };
+    let wrong = |error: ParseError| parse_error(path, &error);
     let mut reader = Reader::new(BufReader::new(file));
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
@@ -83,6 +72,23 @@ pub fn read(path: &Path) -> Result<Mesh> {
         ));
     }
     Ok(mesh)
+}
+
+/// The parser's error as one line: its own first line, and the text that it could not read.
+fn parse_error(path: &Path, error: &ParseError) -> Error {
+    let message = error.to_string();
+    let mut lines = message.lines().map(|line| line.trim().trim_end_matches(['.', ':']));
+    let mut what = lines.next().unwrap_or("unreadable");
+    if error.line().is_some() {
+        what = what.split_once(": ").map_or(what, |(_, rest)| rest);
+    }
+    let text = lines.find_map(|line| line.strip_prefix("String: '"));
+    let text = text.map_or(String::new(), |text| format!(": '{}'", text.trim_end_matches('\'')));
+    let message = format!("not a valid PLY file: {what}{text}");
+    match error.line().and_then(|line| u32::try_from(line).ok()) {
+        Some(line) => Error::scene_line(path, line, message),
+        None => Error::scene(path, message),
+    }
 }
 
 #[derive(Clone, Copy, Default)]

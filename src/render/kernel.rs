@@ -1,0 +1,63 @@
+//! A compiled kernel with the scene that it runs on.
+
+use std::time::Instant;
+
+use super::settings::Settings;
+use super::upload::Uploaded;
+use crate::backend::Backend;
+use crate::error::Result;
+use crate::gpu::{Bindings, DeviceKind, Gpu, Pipeline};
+use crate::layout::{INLINE_FIRST_ID, NONE, Specialisation};
+use crate::scene::{Needs, Scene};
+
+/// A pipeline, specialised to a scene, and the scene on the device.
+pub(super) struct Kernel {
+    pub pipeline: Pipeline,
+    pub bindings: Bindings,
+    pub scene: Uploaded,
+    /// Seconds that building and uploading the scene took.
+    pub build_seconds: f64,
+    /// Seconds that making the pipeline took.
+    pub compile_seconds: f64,
+}
+
+impl Kernel {
+    /// Uploads the scene and makes a pipeline of the module `name` for it.
+    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
+        gpu.require(settings.backend)?;
+        settings.check()?;
+        let started = Instant::now();
+        let uploaded = Uploaded::new(gpu, scene, settings)?;
+        let build_seconds = started.elapsed().as_secs_f64();
+
+        let started = Instant::now();
+        let [param0, param1, param2, param3] = settings.technique.words();
+        let mut special = Specialisation {
+            length_layers: settings.lengths,
+            max_depth: settings.max_depth.unwrap_or(NONE),
+            rr_depth: settings.rr_depth,
+            filter: settings.filter.parameters().0,
+            wide_loads: gpu.survey().kind == DeviceKind::Cpu,
+            stack_size: uploaded.stack_size,
+            inline_count: uploaded.inline.len() as u32,
+            param0,
+            param1,
+            param2,
+            param3,
+            ..Specialisation::default()
+        };
+        Needs::of(scene).specialise(&mut special);
+        let mut constants = special.words();
+        let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
+        constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
+        let pipeline = Pipeline::new(gpu, name, &constants, settings.backend == Backend::RayQuery)?;
+        let bindings = pipeline.bind(&uploaded.uniforms, uploaded.tlas.as_ref())?;
+        Ok(Self {
+            pipeline,
+            bindings,
+            scene: uploaded,
+            build_seconds,
+            compile_seconds: started.elapsed().as_secs_f64(),
+        })
+    }
+}

@@ -1,0 +1,62 @@
+//! Running the kernels of `shaders/test` over arrays: how tests and `lumbre rays` reach the shaders' functions one by one.
+
+use bytemuck::Pod;
+
+use super::Settings;
+use super::kernel::Kernel;
+use crate::error::Result;
+use crate::gpu::{Buffer, Gpu, Work};
+use crate::layout::{FrameConstants, WORKGROUP, address};
+use crate::scene::Scene;
+
+/// A kernel of `shaders/test` with the scene that it runs on.
+pub struct Probe {
+    gpu: Gpu,
+    kernel: Kernel,
+    name: String,
+    seed: u32,
+}
+
+impl Probe {
+    /// Makes the kernel `shaders/test/<name>.glsl` for a scene and the backend of `settings`.
+    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
+        let module = format!("test/{name}.{}", settings.backend.name());
+        let kernel = Kernel::new(gpu, scene, settings, &module)?;
+        Ok(Self { gpu: gpu.clone(), kernel, name: name.to_owned(), seed: settings.seed })
+    }
+
+    /// Runs one thread per element of `input`, each of which writes one element of the result.
+    pub fn run<I: Pod, O: Pod>(&self, input: &[I]) -> Result<Vec<O>> {
+        let from = Buffer::with_data(&self.gpu, "probe input", input)?;
+        let to = Buffer::zeroed(&self.gpu, "probe output", size_of::<O>() as u64 * input.len() as u64)?;
+        self.run_on(&from, &to, input.len() as u32)?;
+        to.read(input.len())
+    }
+
+    /// The same on buffers that are already there.
+    pub fn run_on(&self, from: &Buffer, to: &Buffer, count: u32) -> Result<Work> {
+        let constants = FrameConstants {
+            film: address(to.address()),
+            lengths: address(from.address()),
+            slot_count: count,
+            seed: self.seed,
+            ..FrameConstants::default()
+        };
+        let kernel = &self.kernel;
+        self.gpu.run(&format!("test kernel {}", self.name), &format!("{count} elements"), |commands| {
+            let workgroups = count.div_ceil(WORKGROUP).max(1);
+            commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
+            commands.barrier();
+        })
+    }
+
+    /// For each uploaded primitive, its index in the scene: hits are reported in this order.
+    pub fn order(&self) -> &[u32] {
+        self.kernel.scene.order()
+    }
+
+    /// For each uploaded instance, its index in the scene.
+    pub fn instance_order(&self) -> &[u32] {
+        self.kernel.scene.instance_order()
+    }
+}

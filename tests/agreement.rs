@@ -1,0 +1,125 @@
+//! Independent ways to the same image agree in the mean: techniques, sampling strategies, backends, frame sizes.
+//!
+//! A new row of the table is enrolled by itself, through what it solves and its bias.
+
+mod common;
+
+use common::{assert_same_mean, backends, canon, render, settings, with_gpu};
+use lumbre::backend::Backend;
+use lumbre::film::Film;
+use lumbre::gpu::Gpu;
+use lumbre::integrator::{Bias, INTEGRATORS, Solves};
+use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
+use lumbre::render::Renderer;
+use lumbre::scene::Scene;
+
+const TILE: u32 = 16;
+
+/// Seeds differ, so that the two sides of a comparison share nothing.
+fn film(gpu: &Gpu, scene: &Scene, technique: &str, backend: Backend, seed: u32, spp: u32) -> Film {
+    let mut settings = settings(scene, technique, backend);
+    settings.seed = seed;
+    render(gpu, scene, &settings, spp)
+}
+
+fn has_delta_lights(scene: &Scene) -> bool {
+    scene.lights.iter().any(|light| matches!(light.kind, LIGHT_POINT | LIGHT_SPOT | LIGHT_DIRECTIONAL))
+}
+
+/// Every unbiased technique that solves the same transport, on every backend, against a reference with a seed of its own.
+fn techniques_agree(name: &str, defines: &[(&str, &str)], spp: u32) {
+    let scene = canon(name, defines);
+    with_gpu(|gpu| {
+        for (reference, solves) in [("direct", Solves::Direct), ("path", Solves::Everything)] {
+            let truth = film(gpu, &scene, reference, Backend::Bvh, 1000, 4 * spp);
+            let mut variants: Vec<String> = INTEGRATORS
+                .iter()
+                .filter(|row| row.solves == solves && row.bias == Bias::Unbiased)
+                .filter(|row| row.sees_delta_lights || !has_delta_lights(&scene))
+                .map(|row| row.name.to_owned())
+                .collect();
+            if solves == Solves::Direct {
+                variants.extend(["direct:sampling=emitter", "direct:sampling=bsdf"].map(str::to_owned));
+            }
+            for (seed, technique) in (0..).zip(&variants) {
+                for backend in backends(gpu) {
+                    let found =
+                        film(gpu, &scene, technique, backend, 2 * seed + u32::from(backend == Backend::Bvh), spp);
+                    let what = format!("{name}: {technique} on {} against {reference} on bvh", backend.name());
+                    assert_same_mean(&what, &found, &truth, TILE);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn techniques_agree_on_cornell() {
+    techniques_agree("cornell.xml", &[("size", "96")], 128);
+}
+
+#[test]
+fn techniques_agree_on_cornell_spheres() {
+    techniques_agree("cornell_spheres.xml", &[("size", "96")], 192);
+}
+
+#[test]
+fn techniques_agree_on_veach_mis() {
+    // Sampling lights alone hits the lobe of the smoothest plates so seldom, and sampling BSDFs alone the smallest lights,
+    // that no affordable number of samples is near a normal distribution: plates are rougher here and lights larger.
+    let rougher = [
+        ("width", "96"),
+        ("height", "64"),
+        ("alpha1", "0.05"),
+        ("alpha2", "0.07"),
+        ("radius1", "0.4"),
+        ("radiance1", "7.2, 2.6, 1.6"),
+        ("radius2", "0.4"),
+        ("radiance2", "7, 5.8, 2.1"),
+        ("radius_lamp", "3"),
+        ("radiance_lamp", "2.4"),
+    ];
+    techniques_agree("veach_mis.xml", &rougher, 256);
+}
+
+/// The same command gives the same bits, however the work is cut into frames; another seed does not.
+#[test]
+fn frames_and_repetition_change_no_bit() {
+    let scene = canon("cornell_spheres.xml", &[("size", "40")]);
+    with_gpu(|gpu| {
+        for backend in backends(gpu) {
+            for row in INTEGRATORS {
+                let settings = settings(&scene, row.name, backend);
+                let whole = render(gpu, &scene, &settings, 24);
+                // One sample per pixel and frame, each time asked for anew.
+                let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
+                for spp in 1..=24 {
+                    while renderer.advance(spp).unwrap() {}
+                }
+                let cut = renderer.film().unwrap();
+                assert_eq!(whole.sums, cut.sums, "{} on {}", row.name, backend.name());
+                assert_eq!(whole.squares, cut.squares, "{} on {}", row.name, backend.name());
+                let other = film(gpu, &scene, row.name, backend, 1, 24);
+                assert_ne!(whole.sums, other.sums, "{} on {}", row.name, backend.name());
+            }
+        }
+    });
+}
+
+/// The comparison itself can fail: an image that is 2 % too bright in one corner is found.
+#[test]
+fn a_planted_difference_is_found() {
+    let scene = canon("cornell.xml", &[("size", "64")]);
+    let found = with_gpu(|gpu| {
+        let truth = film(gpu, &scene, "path", Backend::Bvh, 1, 512);
+        let mut wrong = film(gpu, &scene, "path", Backend::Bvh, 2, 512);
+        assert_same_mean("as rendered", &wrong, &truth, TILE);
+        for y in 32..48 {
+            for x in 32..48 {
+                wrong.sums[y * 64 + x] = wrong.sums[y * 64 + x].map(|sum| sum * 1.02);
+            }
+        }
+        std::panic::catch_unwind(|| assert_same_mean("planted", &wrong, &truth, TILE)).is_err()
+    });
+    assert!(found, "a difference of 2 % in one tile was not found");
+}

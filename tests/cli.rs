@@ -1,0 +1,314 @@
+//! The program as a user runs it: what it writes, what it says, and its exit status.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+use lumbre::input::read_image;
+
+fn lumbre(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_lumbre")).args(args).current_dir(folder).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Runs a command that must work.
+fn works(folder: &Path, args: &[&str]) -> String {
+    let output = lumbre(folder, args);
+    assert!(output.status.success(), "{args:?}: {}{}", text(&output.stdout), text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// Runs a command that must fail with this status; its first line on stderr, which must begin with `error: `.
+fn fails(folder: &Path, args: &[&str], status: i32) -> String {
+    let output = lumbre(folder, args);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {errors}");
+    let line = errors.lines().find(|line| line.starts_with("error: ")).unwrap_or_else(|| panic!("{args:?}: {errors}"));
+    assert!(!errors.contains("panicked"), "{errors}");
+    line.to_owned()
+}
+
+fn scene(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).display().to_string()
+}
+
+#[test]
+fn render_writes_what_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let cornell = scene("cornell.xml");
+    let summary = works(
+        folder.path(),
+        &["render", &cornell, "-n", "2", "--size", "24x16", "-o", "a.exr", "-o", "a.png", "--json", "a.json"],
+    );
+    assert!(summary.contains("wrote      a.exr, a.png"), "{summary}");
+    let exr = read_image(&folder.path().join("a.exr")).unwrap();
+    let png = read_image(&folder.path().join("a.png")).unwrap();
+    assert_eq!((exr.width, exr.height, png.width, png.height), (24, 16, 24, 16));
+    // The PNG is the EXR, clamped and in 8 bits.
+    for (a, b) in exr.pixels.iter().flatten().zip(png.pixels.iter().flatten()) {
+        assert!((a.clamp(0.0, 1.0) - b).abs() < 0.006, "{a} against {b}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("a.json")).unwrap()).unwrap();
+    for key in [
+        "schema",
+        "scene",
+        "integrator",
+        "backend",
+        "device",
+        "driver",
+        "width",
+        "height",
+        "spp",
+        "seed",
+        "max_depth",
+        "rays",
+        "mrays_per_s",
+        "samples_per_s",
+        "nonfinite",
+        "mean",
+        "peak_device_bytes",
+    ] {
+        assert!(!json[key].is_null(), "no '{key}' in {json}");
+    }
+    for key in ["load", "build", "compile", "render", "total"] {
+        assert!(json["seconds"][key].is_number(), "no 'seconds.{key}' in {json}");
+    }
+    assert_eq!((&json["spp"], &json["nonfinite"], json["mean"].as_array().unwrap().len()), (&2.into(), &0.into(), 3));
+    let names: Vec<_> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert_eq!(names.len(), 3, "nothing else is left behind: {names:?}");
+}
+
+#[test]
+fn render_without_an_output_names_files_after_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    works(folder.path(), &["render", &scene("furnace_box.xml"), "-n", "1", "--size", "8x8", "-q"]);
+    assert!(folder.path().join("furnace_box.exr").exists() && folder.path().join("furnace_box.png").exists());
+}
+
+#[test]
+fn the_same_command_writes_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let cornell = scene("cornell.xml");
+    let render = |seed: &str| {
+        works(folder.path(), &["render", &cornell, "-n", "3", "--size", "32x32", "-o", "a.png", "--seed", seed, "-q"]);
+        std::fs::read(folder.path().join("a.png")).unwrap()
+    };
+    let first = render("5");
+    assert_eq!(first, render("5"));
+    assert_ne!(first, render("6"));
+}
+
+#[test]
+fn layers_by_length_are_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    works(
+        folder.path(),
+        &[
+            "render",
+            &scene("furnace_sphere.xml"),
+            "-n",
+            "4",
+            "--size",
+            "8x8",
+            "--lengths=3",
+            "--aov",
+            "variance,samples",
+            "-o",
+            "a.exr",
+        ],
+    );
+    let image = exr::prelude::read_all_flat_layers_from_file(folder.path().join("a.exr")).unwrap();
+    let layer = &image.layer_data[0];
+    let names: Vec<_> = layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
+    for name in ["R", "length01.R", "length02.G", "length03plus.B", "variance.R", "samples.B"] {
+        assert!(names.iter().any(|found| found == name), "no channel {name} in {names:?}");
+    }
+    let first = |name: &str| {
+        let channel = layer.channel_data.list.iter().find(|channel| channel.name.to_string() == name).unwrap();
+        channel.sample_data.values_as_f32().next().unwrap()
+    };
+    assert_eq!((first("length01.R"), first("samples.R")), (1.0, 4.0));
+    let sum = f64::from(first("length01.G")) + f64::from(first("length02.G")) + f64::from(first("length03plus.G"));
+    assert_eq!(sum as f32, first("G"), "the layers sum to the image exactly");
+    // Every setting and figure is in the header.
+    let header: Vec<_> = layer.attributes.other.keys().map(ToString::to_string).collect();
+    for name in ["lumbre.integrator", "lumbre.seed", "lumbre.seconds", "lumbre.device"] {
+        assert!(header.iter().any(|found| found == name), "no {name} in {header:?}");
+    }
+}
+
+#[test]
+fn compare_tells_how_far_images_are_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let cornell = scene("cornell.xml");
+    for (name, seed) in [("a.exr", "1"), ("b.exr", "2")] {
+        works(folder.path(), &["render", &cornell, "-n", "16", "--size", "32x32", "-o", name, "--seed", seed, "-q"]);
+    }
+    let json = |args: &[&str]| -> serde_json::Value { serde_json::from_str(&works(folder.path(), args)).unwrap() };
+    let same = json(&["compare", "a.exr", "a.exr", "--json", "-"]);
+    assert_eq!(
+        (same["mse"].as_f64(), same["flip"].as_f64(), same["energy_ratio"].as_f64()),
+        (Some(0.0), Some(0.0), Some(1.0))
+    );
+    let other = json(&["compare", "a.exr", "b.exr", "--json", "-", "--heatmap", "map.png"]);
+    for key in ["mse", "rmse", "relmse", "mape", "flip", "max_abs"] {
+        assert!(other[key].as_f64().unwrap() > 0.0, "{key} in {other}");
+    }
+    assert!((other["energy_ratio"].as_f64().unwrap() - 1.0).abs() < 0.2);
+    assert_eq!(read_image(&folder.path().join("map.png")).unwrap().width, 32);
+    works(folder.path(), &["render", &cornell, "-n", "1", "--size", "8x8", "-o", "small.exr", "-q"]);
+    assert!(fails(folder.path(), &["compare", "a.exr", "small.exr"], 2).contains("32x32"));
+    assert!(fails(folder.path(), &["compare", "a.exr", "none.exr"], 2).contains("none.exr"));
+}
+
+#[test]
+fn time_limits_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let started = Instant::now();
+    let json = works(
+        folder.path(),
+        &["render", &scene("cornell.xml"), "-t", "1.5", "--size", "64x64", "-o", "a.png", "--json", "-"],
+    );
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["spp"].as_u64().unwrap() >= 1);
+    let render = json["seconds"]["render"].as_f64().unwrap();
+    assert!((1.2..4.0).contains(&render), "{render} s");
+    assert!(started.elapsed() < Duration::from_secs(20));
+}
+
+/// Ctrl-C keeps what was rendered and says so.
+#[test]
+fn an_interrupt_keeps_the_image() {
+    let folder = tempfile::tempdir().unwrap();
+    let child = Command::new(env!("CARGO_BIN_EXE_lumbre"))
+        .args(["render", &scene("cornell.xml"), "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
+        .current_dir(folder.path())
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(3));
+    let interrupted = Instant::now();
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert!(text(&output.stdout).starts_with("interrupted: what was rendered is kept"), "{}", text(&output.stdout));
+    assert!(interrupted.elapsed() < Duration::from_secs(3), "{:?}", interrupted.elapsed());
+    let image = read_image(&folder.path().join("a.exr")).unwrap();
+    let [r, ..] = image.average();
+    assert!((0.2..0.3).contains(&r), "the picture should be nearly done: {r}");
+}
+
+#[test]
+fn list_devices_and_info_describe() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = works(folder.path(), &["list"]);
+    for row in lumbre::integrator::INTEGRATORS {
+        assert!(list.contains(row.name) && list.contains(row.title), "{list}");
+    }
+    assert!(works(folder.path(), &["devices"]).contains("bvh"));
+    let devices: serde_json::Value = serde_json::from_str(&works(folder.path(), &["devices", "--json"])).unwrap();
+    assert_eq!(devices[0]["backends"].as_array().unwrap().len(), lumbre::backend::BACKENDS.len());
+    let info = works(folder.path(), &["info", &scene("cornell_spheres.xml")]);
+    assert!(info.contains("2 spheres") && info.contains("dielectric"), "{info}");
+}
+
+#[test]
+fn bad_commands_name_what_is_valid() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::create_dir(here.join("folder.exr")).unwrap();
+    let cornell = scene("cornell.xml");
+    let render = |args: &[&str]| {
+        let args: Vec<&str> = ["render", &cornell].into_iter().chain(args.iter().copied()).collect();
+        fails(here, &args, 2)
+    };
+    assert!(render(&["-i", "bogus"]).contains("direct, path-implicit or path"));
+    assert!(render(&["-i", "direct:sampling=bogus"]).contains("mis, emitter or bsdf"));
+    assert!(render(&["-i", "direct:bogus=1"]).contains("valid are sampling"));
+    assert!(render(&["-i", "path-implicit:q=2"]).contains("0 to 0.99"));
+    assert!(render(&["-i", "direct:sampling"]).contains("name=value"));
+    assert!(render(&["--rr-q", "0.5", "-i", "path"]).contains("has no parameter 'q'"));
+    assert!(render(&["--backend", "bogus"]).contains("auto, ray-query or bvh"));
+    assert!(render(&["--device", "bogus"]).contains("no device 'bogus'"));
+    assert!(render(&["--device", "99"]).contains("no device '99'"));
+    assert!(render(&["--camera", "bogus"]).contains("no camera 'bogus'"));
+    assert!(render(&["-n", "-4"]).contains("-4"));
+    assert!(render(&["-n", "0"]).contains('0'));
+    assert!(render(&["-n", "many"]).contains("many"));
+    assert!(render(&["-t", "-1"]).contains("above 0"));
+    assert!(render(&["--size", "0x10"]).contains("1 to 65536"));
+    assert!(render(&["--size", "10"]).contains("WIDTHxHEIGHT"));
+    assert!(render(&["--max-depth", "-2"]).contains("-1 for no limit"));
+    assert!(render(&["--lengths=99"]).contains("99"));
+    assert!(render(&["--aov", "bogus", "-o", "a.exr"]).contains("variance or samples"));
+    assert!(render(&["--lengths", "-o", "a.png"]).contains(".exr"));
+    assert!(render(&["-o", "a.gif"]).contains(".exr or .png"));
+    assert!(render(&["-o", "nowhere/a.exr"]).contains("nowhere"));
+    assert!(render(&["-o", "folder.exr"]).contains("it is a folder"));
+    assert!(render(&["--json", "nowhere/a.json"]).contains("nowhere"));
+    assert!(render(&["-D", "bogus=1"]).contains("max_depth, size and spp"));
+    assert!(render(&["-D", "size"]).contains("NAME=VALUE"));
+    assert!(render(&["-D", "size=big"]).contains("cornell.xml"));
+    assert!(render(&["-D", "size=0"]).contains("1 to 65536"));
+    assert!(render(&["--bogus"]).contains("--bogus"));
+    assert!(fails(here, &["bogus"], 2).contains("bogus"));
+    assert!(fails(here, &["render"], 2).contains("<SCENE>"));
+    assert!(fails(here, &["render", "none.xml"], 2).contains("none.xml"));
+    assert!(fails(here, &["render", "none.blend"], 2).contains("none.blend"));
+    let files = std::fs::read_dir(here).unwrap().count();
+    assert_eq!(files, 1, "nothing may be written by a command that is refused");
+}
+
+/// Without a driver there is one clear line, not a crash.
+#[test]
+fn no_device_is_a_clear_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |args: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_lumbre"))
+            .args(args)
+            .env("VK_DRIVER_FILES", "/nonexistent.json")
+            .env("VK_ICD_FILENAMES", "/nonexistent.json")
+            .current_dir(folder.path())
+            .output()
+            .unwrap()
+    };
+    let output = run(&["render", &scene("cornell.xml"), "-o", "a.png"]);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.lines().any(|line| line.starts_with("error: ") && line.contains("driver")), "{errors}");
+    assert!(!folder.path().join("a.png").exists());
+}
+
+/// A file that cannot be replaced stays as it was.
+#[test]
+fn outputs_are_replaced_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    std::fs::write(&path, "old").unwrap();
+    fails(folder.path(), &["render", &scene("cornell.xml"), "-o", "a.png", "-D", "bogus=1"], 2);
+    assert_eq!(std::fs::read(&path).unwrap(), b"old");
+    works(folder.path(), &["render", &scene("cornell.xml"), "-o", "a.png", "-n", "1", "--size", "8x8", "-q"]);
+    assert_eq!(read_image(&path).unwrap().width, 8);
+}
+
+/// From the command to a first picture in under a second on a warm machine; the bound leaves room for a cold one.
+#[test]
+fn a_first_picture_comes_quickly() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["render", &scene("cornell.xml"), "-n", "1", "--size", "64x64", "-o", "a.png", "-q"];
+    works(folder.path(), &args);
+    let started = Instant::now();
+    works(folder.path(), &args);
+    println!("{:?} from the command to its file", started.elapsed());
+    assert!(started.elapsed() < Duration::from_secs(3), "{:?}", started.elapsed());
+}

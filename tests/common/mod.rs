@@ -1,0 +1,138 @@
+//! What the tests share: one device per process with validation on, and statistics that print what they found.
+
+#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use lumbre::backend::{BACKENDS, Backend};
+use lumbre::film::Film;
+use lumbre::gpu::{Gpu, Instance};
+use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
+use lumbre::render::{Settings, Technique};
+use lumbre::scene::{LoadOptions, Scene};
+
+/// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
+///
+/// `LUMBRE_TEST_DEVICE` chooses the device, `LUMBRE_TEST_VALIDATE=0` runs without the validation layer (on machines that
+/// have none).
+pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
+    static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
+    let gpu = GPU.get_or_init(|| {
+        let validate = std::env::var("LUMBRE_TEST_VALIDATE").as_deref() != Ok("0");
+        let instance = Instance::new(validate).expect("a Vulkan instance");
+        let selector = std::env::var("LUMBRE_TEST_DEVICE").ok();
+        Mutex::new(Gpu::open(&instance, selector.as_deref()).expect("a Vulkan device"))
+    });
+    // A test that failed leaves the device as it was: the next one may use it.
+    let gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+    let before = gpu.take_validation_messages();
+    assert!(before.is_empty(), "validation messages from before this test: {before:#?}");
+    let result = run(&gpu);
+    let messages = gpu.take_validation_messages();
+    assert!(messages.is_empty(), "Vulkan validation: {messages:#?}");
+    result
+}
+
+/// Every backend that the device has. On a machine that is to have both (`LUMBRE_TEST_BACKENDS=all`), a missing one fails.
+pub fn backends(gpu: &Gpu) -> Vec<Backend> {
+    let all: Vec<Backend> = BACKENDS.iter().map(|row| row.backend).collect();
+    let (there, refused): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|backend| gpu.survey().refusal(*backend).is_none());
+    for backend in refused {
+        let why = gpu.survey().refusal(backend).unwrap_or_default();
+        assert!(std::env::var("LUMBRE_TEST_BACKENDS").as_deref() != Ok("all"), "{}: {why}", backend.name());
+        eprintln!("not tested: {}: {why}", backend.name());
+    }
+    there
+}
+
+/// A file in `scenes/`.
+pub fn scene_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name)
+}
+
+/// A scene of the canon with parameters.
+pub fn canon(name: &str, defines: &[(&str, &str)]) -> Scene {
+    let defines = defines.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
+    lumbre::scene::load(&scene_path(name), &LoadOptions { defines }).expect("a scene of the canon")
+}
+
+/// Settings for a technique on a backend, by the scene's own film.
+pub fn settings(scene: &Scene, technique: &str, backend: Backend) -> Settings {
+    Settings::new(scene, Technique::parse(technique).expect("a technique"), backend)
+}
+
+/// Renders, and checks that no sample was dropped.
+pub fn render(gpu: &Gpu, scene: &Scene, settings: &Settings, spp: u32) -> Film {
+    let film = lumbre::render::render(gpu, scene, settings, spp).expect("a rendering");
+    let name = settings.technique.describe();
+    assert_eq!(film.nonfinite, 0, "{name} on {}: {:?}", settings.backend.name(), film.bad_samples);
+    film
+}
+
+/// The mean over all pixels and its variance, per channel, from the film's own variance.
+pub fn average(film: &Film) -> [Estimate; 3] {
+    tile_average(film, 0..film.width, 0..film.height)
+}
+
+/// The same over a rectangle.
+pub fn tile_average(film: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> [Estimate; 3] {
+    let (mean, variance) = (film.mean(), film.mean_variance());
+    let count = f64::from(columns.len() as u32) * f64::from(rows.len() as u32);
+    let mut sums = [Estimate::default(); 3];
+    for y in rows {
+        for x in columns.clone() {
+            let pixel = (y * film.width + x) as usize;
+            for (channel, sum) in sums.iter_mut().enumerate() {
+                sum.mean += f64::from(mean.pixels[pixel][channel]) / count;
+                sum.variance += f64::from(variance.pixels[pixel][channel]) / (count * count);
+            }
+        }
+    }
+    sums
+}
+
+/// Fails unless the measured mean is within 0.1 % of the expected value or three standard deviations, whichever is more.
+/// Prints both. The measurement must be able to see 1 %.
+pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
+    let sigma = measured.variance.sqrt();
+    let bound = (1e-3 * expected.abs()).max(3.0 * sigma);
+    let error = measured.mean - expected;
+    println!(
+        "{what}: {:.5} against {expected:.5}, off by {error:+.2e}, bound {bound:.2e} (sigma {sigma:.1e})",
+        measured.mean
+    );
+    assert!(sigma < 3.4e-3 * expected.abs(), "{what}: sigma {sigma} is too coarse for {expected}: take more samples");
+    assert!(error.abs() <= bound, "{what}: {} against {expected}: off by {error}, bound {bound}", measured.mean);
+}
+
+/// Compares two films of the same scene tile by tile: a z-test of each tile and channel, Sidak-corrected, and one of the
+/// whole image. Prints the largest z and the p-value it has among all tiles.
+pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
+    let mut worst: (f64, String) = (0.0, String::new());
+    let mut count = 0;
+    for y in (0..a.height).step_by(tile as usize) {
+        for x in (0..a.width).step_by(tile as usize) {
+            let (columns, rows) = (x..(x + tile).min(a.width), y..(y + tile).min(a.height));
+            let (left, right) = (tile_average(a, columns.clone(), rows.clone()), tile_average(b, columns, rows));
+            for channel in 0..3 {
+                let z = left[channel].z(&right[channel]);
+                count += 1;
+                if z.abs() >= worst.0.abs() {
+                    let place = format!(
+                        "tile ({x}, {y}) channel {channel}: {:.5} against {:.5}",
+                        left[channel].mean, right[channel].mean
+                    );
+                    worst = (z, place);
+                }
+            }
+        }
+    }
+    let p = two_sided_p(worst.0);
+    let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
+    println!("{what}: largest z of {count} is {:.2} at {}; of the whole image {whole:.2?}", worst.0, worst.1);
+    assert!(p > sidak(0.01, count), "{what}: z = {:.2} at {}", worst.0, worst.1);
+    // Three channels, each at the 0.1 % level.
+    assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
+}

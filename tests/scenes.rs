@@ -1,0 +1,412 @@
+//! What scene files mean: each test states the picture that a small file must give.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use std::path::PathBuf;
+
+use common::{assert_mean, average, backends, canon, render, settings, with_gpu};
+use glam::DVec3;
+use lumbre::backend::Backend;
+use lumbre::layout::{MATERIAL_DIELECTRIC, NONE, SMOOTH_BIT, SPHERE_BIT};
+use lumbre::scene::{Filter, LoadOptions, Needs, Scene};
+
+/// Writes files to a folder of their own and loads the first one.
+fn load(files: &[(&str, &str)]) -> lumbre::Result<Scene> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    lumbre::scene::load(&folder.path().join(files[0].0), &LoadOptions::default())
+}
+
+/// A Mitsuba scene of these elements and a camera at (0, 0, 5) that looks at the origin.
+fn mitsuba(body: &str) -> Scene {
+    let camera = r#"<sensor type="perspective"><float name="fov" value="20"/>
+        <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>"#;
+    load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{camera}{body}</scene>"#))]).unwrap()
+}
+
+/// The mean of the picture that `path` makes, on the first backend.
+fn mean(scene: &Scene, spp: u32) -> [f64; 3] {
+    with_gpu(|gpu| {
+        average(&render(gpu, scene, &settings(scene, "path", backends(gpu)[0]), spp)).map(|channel| channel.mean)
+    })
+}
+
+fn close(found: [f64; 3], expected: [f64; 3]) {
+    let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(
+        off < 2e-3 * expected.iter().fold(0.1, |most: f64, value| most.max(*value)),
+        "{found:?} against {expected:?}"
+    );
+}
+
+#[test]
+fn the_canon_loads_without_warnings_and_renders() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".xml"))
+        .collect();
+    files.sort();
+    assert!(files.len() >= 6, "{files:?}");
+    for name in files {
+        let text = std::fs::read_to_string(common::scene_path(&name)).unwrap();
+        assert!(text.contains("What to look for:"), "{name} should open with a comment that says what to look for");
+        let scene = canon(&name, &[]);
+        assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
+        with_gpu(|gpu| {
+            for backend in backends(gpu) {
+                let mut settings = settings(&scene, "path", backend);
+                (settings.width, settings.height) = (32, 24);
+                let film = render(gpu, &scene, &settings, 8);
+                let [r, g, b] = film.average();
+                assert!(r.min(g).min(b) > 1e-3, "{name} on {}: {:?}", backend.name(), film.average());
+            }
+        });
+    }
+}
+
+/// A unit square that emits 1, 2, 3 and fills the picture.
+const EMITTER: &str =
+    r#"<shape type="rectangle"><emitter type="area"><rgb name="radiance" value="1, 2, 3"/></emitter></shape>"#;
+
+#[test]
+fn area_lights_shine_from_their_front_only() {
+    close(mean(&mitsuba(EMITTER), 4), [1.0, 2.0, 3.0]);
+    let turned =
+        EMITTER.replace("<emitter", r#"<transform name="to_world"><rotate y="1" angle="180"/></transform><emitter"#);
+    let turned = mitsuba(&format!(r#"{turned}<emitter type="constant"><rgb name="radiance" value="0.25"/></emitter>"#));
+    close(mean(&turned, 4), [0.0; 3]); // black from behind, and it hides the sky
+    let flipped = EMITTER.replace("<emitter", r#"<boolean name="flip_normals" value="true"/><emitter"#);
+    let flipped =
+        mitsuba(&format!(r#"{flipped}<emitter type="constant"><rgb name="radiance" value="0.25"/></emitter>"#));
+    close(mean(&flipped, 4), [0.0; 3]);
+}
+
+#[test]
+fn mirrored_shapes_keep_their_front() {
+    // The inverse transpose carries the normal: a mirrored rectangle still faces +z, a mirrored cube outwards, and a
+    // mirrored sphere inwards, as in Mitsuba.
+    let mirror = r#"<transform name="to_world"><scale x="-1"/></transform>"#;
+    close(mean(&mitsuba(&EMITTER.replace("<emitter", &format!("{mirror}<emitter"))), 4), [1.0, 2.0, 3.0]);
+    let cube = EMITTER.replace("rectangle", "cube").replace("<emitter", &format!("{mirror}<emitter"));
+    close(mean(&mitsuba(&cube), 4), [1.0, 2.0, 3.0]);
+    let mirror = r#"<transform name="to_world"><scale x="-2" y="2" z="2"/></transform>"#;
+    let sphere = EMITTER.replace("rectangle", "sphere").replace("<emitter", &format!("{mirror}<emitter"));
+    close(mean(&mitsuba(&format!("{sphere}<emitter type=\"constant\"/>")), 4), [0.0; 3]);
+}
+
+#[test]
+fn the_background_fills_what_is_empty() {
+    close(
+        mean(&mitsuba(r#"<emitter type="constant"><rgb name="radiance" value="0.5, 0.25, 4"/></emitter>"#), 1),
+        [0.5, 0.25, 4.0],
+    );
+    // A uniform spectrum that emits is equal-energy white, whose linear sRGB values are these.
+    let white = mitsuba(r#"<emitter type="constant"><spectrum name="radiance" value="0.5"/></emitter>"#);
+    close(mean(&white, 1), [0.6024, 0.47415, 0.45446]);
+}
+
+/// A large square at z = 0, lit by something in front of it.
+fn lit(emitter: &str, bsdf: &str) -> Scene {
+    mitsuba(&format!(
+        r#"<shape type="rectangle"><transform name="to_world"><scale value="50"/></transform>{bsdf}</shape>{emitter}"#
+    ))
+}
+
+const GREY: &str = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>"#;
+
+#[test]
+fn a_directional_light_gives_its_irradiance() {
+    // L = albedo / pi * E cos; light that travels along -z meets the square head-on.
+    let expected = 0.5 / std::f64::consts::PI * 2.0;
+    let light = |direction: &str| {
+        format!(
+            r#"<emitter type="directional"><vector name="direction" {direction}/><rgb name="irradiance" value="2"/></emitter>"#
+        )
+    };
+    close(mean(&lit(&light(r#"x="0" y="0" z="-1""#), GREY), 4), [expected; 3]);
+    close(mean(&lit(&light(r#"x="0" y="3" z="-3""#), GREY), 4), [expected * 0.5f64.sqrt(); 3]);
+    close(mean(&lit(&light(r#"x="0" y="0" z="1""#), GREY), 4), [0.0; 3]);
+}
+
+#[test]
+fn point_and_spot_lights_give_intensity_over_distance_squared() {
+    let close_up = |scene: &Scene| {
+        with_gpu(|gpu| {
+            let mut settings = settings(scene, "path", backends(gpu)[0]);
+            settings.width = 1;
+            settings.height = 1;
+            let mut scene = scene.clone();
+            scene.cameras[0].fov = 0.01; // one point of the square
+            average(&render(gpu, &scene, &settings, 16))[0].mean
+        })
+    };
+    let distance2 = 4.0;
+    let expected = 0.5 / std::f64::consts::PI * 7.0 / distance2;
+    let point = r#"<emitter type="point"><point name="position" x="0" y="0" z="2"/><rgb name="intensity" value="7"/></emitter>"#;
+    assert!((close_up(&lit(point, GREY)) / expected - 1.0).abs() < 1e-3);
+    // In the beam a spot is a point; halfway between beam and cut-off it has half the intensity; beyond, none.
+    let spot = |angle: f64| {
+        format!(
+            r#"<emitter type="spot"><float name="cutoff_angle" value="30"/><float name="beam_width" value="20"/>
+            <rgb name="intensity" value="7"/><transform name="to_world">
+            <rotate x="1" angle="{angle}"/><rotate y="1" angle="180"/><translate z="2"/></transform></emitter>"#
+        )
+    };
+    for (angle, share) in [(0.0, 1.0), (15.0, 1.0), (25.0, 0.5), (35.0, 0.0)] {
+        let found = close_up(&lit(&spot(angle), GREY)) / expected;
+        assert!((found - share).abs() < 1e-3, "{angle} degrees off the axis: {found} of the intensity, not {share}");
+    }
+}
+
+#[test]
+fn one_sided_materials_are_black_from_behind() {
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="1"/></emitter>"#;
+    let turned = |bsdf: &str| {
+        mitsuba(&format!(
+            r#"{sky}<shape type="rectangle"><transform name="to_world"><scale value="50"/><rotate y="1" angle="180"/></transform>{bsdf}</shape>"#
+        ))
+    };
+    close(mean(&lit(sky, GREY), 64), [0.5; 3]);
+    close(mean(&turned(GREY), 4), [0.0; 3]);
+    close(mean(&turned(&format!(r#"<bsdf type="twosided">{GREY}</bsdf>"#)), 64), [0.5; 3]);
+    let other = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.25"/></bsdf>"#;
+    close(mean(&turned(&format!(r#"<bsdf type="twosided">{GREY}{other}</bsdf>"#)), 64), [0.25; 3]);
+}
+
+#[test]
+fn mirrors_show_what_they_face() {
+    // A perfect mirror shows the sky; with eta and k it is darker by Fresnel's factor at (almost) normal incidence:
+    // ((eta - 1)² + k²) / ((eta + 1)² + k²).
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="1"/></emitter>"#;
+    close(mean(&lit(sky, r#"<bsdf type="conductor"/>"#), 4), [1.0; 3]);
+    let (eta, k): (f64, f64) = (0.2, 3.9);
+    let fresnel = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+    let metal = r#"<bsdf type="conductor"><rgb name="eta" value="0.2"/><rgb name="k" value="3.9"/></bsdf>"#;
+    close(mean(&lit(sky, metal), 4), [fresnel; 3]);
+}
+
+#[test]
+fn transforms_apply_in_order() {
+    // First the scale, then the shift: the square lies at x = 3 with a half-width of 2, and the camera's centre sees x = 0.
+    let at = |parts: &str| {
+        mitsuba(&EMITTER.replace("<emitter", &format!("<transform name=\"to_world\">{parts}</transform><emitter")))
+    };
+    let bounds = |scene: &Scene| (scene.bounds.min.x, scene.bounds.max.x);
+    assert_eq!(bounds(&at(r#"<scale value="2"/><translate x="3"/>"#)), (1.0, 5.0));
+    assert_eq!(bounds(&at(r#"<translate x="3"/><scale value="2"/>"#)), (4.0, 8.0));
+    let (low, high) = bounds(&at(r#"<matrix value="0 -1 0 5  1 0 0 0  0 0 1 0  0 0 0 1"/>"#));
+    assert!((low - 4.0).abs() < 1e-6 && (high - 6.0).abs() < 1e-6);
+}
+
+#[test]
+fn groups_are_placed_by_instances() {
+    let scene = mitsuba(
+        r#"<shape type="shapegroup" id="group">
+            <shape type="rectangle"><ref id="grey"/></shape>
+            <shape type="sphere"><float name="radius" value="0.5"/><ref id="grey"/></shape>
+        </shape>
+        <shape type="instance"><ref id="group"/><transform name="to_world"><translate x="3"/></transform></shape>
+        <shape type="instance"><ref id="group"/><transform name="to_world"><scale value="2"/></transform></shape>
+        <emitter type="constant"/>"#
+            .replace(
+                "<shape type=\"shapegroup\"",
+                &format!("{}<shape type=\"shapegroup\"", GREY.replace("<bsdf", "<bsdf id=\"grey\"")),
+            )
+            .as_str(),
+    );
+    assert_eq!((scene.groups.len(), scene.instances.len()), (2, 2));
+    assert_eq!((scene.bounds.min.x, scene.bounds.max.x), (-2.0, 4.0));
+    assert!(Needs::of(&scene).instances && Needs::of(&scene).spheres);
+}
+
+/// A flat square as OBJ or PLY, counter-clockwise from +z.
+const SQUARE_OBJ: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
+
+#[test]
+fn meshes_get_vertex_normals_unless_told_otherwise() {
+    let scene = |extra: &str| {
+        let xml = format!(
+            r#"<scene version="3.0.0"><shape type="obj"><string name="filename" value="square.obj"/>{extra}</shape><emitter type="constant"/></scene>"#
+        );
+        load(&[("scene.xml", xml.as_str()), ("square.obj", SQUARE_OBJ)]).unwrap()
+    };
+    let smooth = scene("");
+    assert!(smooth.primitives.iter().all(|primitive| primitive.surface & SMOOTH_BIT != 0));
+    assert!(smooth.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]));
+    let flat = scene(r#"<boolean name="face_normals" value="true"/>"#);
+    assert!(flat.primitives.iter().all(|primitive| primitive.surface & SMOOTH_BIT == 0));
+    assert!(flat.normals.is_empty() && flat.corners.is_empty(), "what no mesh has is not stored");
+}
+
+#[test]
+fn obj_brings_its_materials_along() {
+    let obj =
+        "mtllib square.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl red\nf 1 2 3\nusemtl glow\nf -4 -2 -1\n";
+    let mtl = "newmtl red\nKd 0.8 0.1 0.1\nnewmtl glow\nKd 0 0 0\nKe 2 3 4\n";
+    let scene = load(&[("square.obj", obj), ("square.mtl", mtl)]).unwrap();
+    assert_eq!(scene.primitives.len(), 2);
+    assert_eq!(scene.lights.len(), 1);
+    assert_eq!(scene.lights[0].radiance, [2.0, 3.0, 4.0]);
+    let red = &scene.materials[scene.surfaces[scene.primitives[0].surface as usize].front as usize];
+    assert_eq!(red.reflectance, [0.8, 0.1, 0.1]);
+    assert_eq!(scene.warnings.len(), 1, "only the camera is missing: {:?}", scene.warnings);
+
+    let scene = load(&[("square.obj", obj)]).unwrap();
+    assert!(scene.warnings.iter().any(|warning| warning.contains("square.mtl")), "{:?}", scene.warnings);
+}
+
+/// The same triangle in the three encodings of PLY, with a property that nobody knows.
+#[test]
+fn ply_encodings_agree() {
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\ncomment a triangle\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property uchar confidence\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let positions = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 2.0, 0.0]];
+    let mut files = vec![(header("ascii") + "0 0 0 7\n1 0 0.5 7\n0 2 0 7\n3 0 1 2\n").into_bytes()];
+    for big in [false, true] {
+        let mut bytes = header(if big { "binary_big_endian" } else { "binary_little_endian" }).into_bytes();
+        for position in positions {
+            position.iter().for_each(|value| bytes.extend(if big { value.to_be_bytes() } else { value.to_le_bytes() }));
+            bytes.push(7);
+        }
+        bytes.push(3);
+        [0i32, 1, 2].iter().for_each(|index| bytes.extend(if big { index.to_be_bytes() } else { index.to_le_bytes() }));
+        files.push(bytes);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("triangle.ply");
+    for bytes in files {
+        std::fs::write(&path, bytes).unwrap();
+        let scene = lumbre::scene::load(&path, &LoadOptions::default()).unwrap();
+        let mut found = [scene.primitives[0].v0, scene.primitives[0].v1, scene.primitives[0].v2];
+        found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        let mut expected = positions;
+        expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn includes_and_parameters_are_resolved() {
+    let scene = r#"<scene version="3.0.0"><default name="level" value="0.25"/><include filename="light.xml"/>
+        <shape type="sphere"><float name="radius" value="$radius"/></shape></scene>"#;
+    let light = r#"<scene version="3.0.0"><default name="radius" value="2"/>
+        <emitter type="constant"><rgb name="radiance" value="$level, 0, $level"/></emitter></scene>"#;
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("scene.xml", scene), ("light.xml", light)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let path = folder.path().join("scene.xml");
+    let plain = lumbre::scene::load(&path, &LoadOptions::default()).unwrap();
+    assert_eq!((plain.background, plain.primitives[0].v1[0]), (Some([0.25, 0.0, 0.25]), 2.0));
+    let defines = vec![(String::from("level"), String::from("3")), (String::from("radius"), String::from("0.5"))];
+    let defined = lumbre::scene::load(&path, &LoadOptions { defines }).unwrap();
+    assert_eq!((defined.background, defined.primitives[0].v1[0]), (Some([3.0, 0.0, 3.0]), 0.5));
+}
+
+#[test]
+fn glass_is_one_material_on_both_sides() {
+    let scene = mitsuba(
+        r#"<shape type="sphere"><bsdf type="dielectric"><string name="int_ior" value="water"/></bsdf></shape><emitter type="constant"/>"#,
+    );
+    let surface = scene.surfaces[0];
+    assert_eq!(surface.front, surface.back);
+    assert_ne!(surface.front, NONE);
+    let glass = scene.materials[surface.front as usize];
+    assert_eq!(glass.kind, MATERIAL_DIELECTRIC);
+    assert!((glass.eta - 1.333 / 1.000_277).abs() < 1e-6);
+    assert!(scene.primitives[0].surface & SPHERE_BIT != 0);
+}
+
+#[test]
+fn defaults_step_in_with_a_warning() {
+    let scene = load(&[("square.obj", SQUARE_OBJ)]).unwrap();
+    assert_eq!(scene.background, Some([1.0; 3]));
+    assert!(scene.warnings.iter().any(|warning| warning.contains("no camera")));
+    assert!(scene.warnings.iter().any(|warning| warning.contains("no light")));
+    let [r, ..] = mean(&scene, 16);
+    assert!(r > 0.1, "the camera should see the square or the sky");
+}
+
+#[test]
+fn degenerate_triangles_are_dropped_and_counted() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 2\n";
+    let scene = load(&[("mesh.obj", obj)]).unwrap();
+    assert_eq!(scene.primitives.len(), 1);
+    assert!(scene.warnings.iter().any(|warning| warning.starts_with("2 of 3 triangles")), "{:?}", scene.warnings);
+}
+
+/// A scene far from the world's origin is moved near it before it is rounded to single precision.
+#[test]
+fn far_scenes_keep_their_detail() {
+    let far = DVec3::new(3e6, -7e6, 1e6);
+    let xml = format!(
+        r#"<scene version="3.0.0"><sensor type="perspective"><transform name="to_world">
+        <lookat origin="{}, {}, {}" target="{}, {}, {}" up="0, 1, 0"/></transform></sensor>
+        <shape type="cube"><transform name="to_world"><scale value="0.001"/><translate x="{}" y="{}" z="{}"/></transform></shape></scene>"#,
+        far.x,
+        far.y,
+        far.z + 0.01,
+        far.x,
+        far.y,
+        far.z,
+        far.x,
+        far.y,
+        far.z
+    );
+    let scene = load(&[("scene.xml", &xml)]).unwrap();
+    let size = scene.bounds.max - scene.bounds.min;
+    assert!((size - glam::Vec3::splat(0.002)).abs().max_element() < 1e-8, "the cube measures {size}");
+    assert!(scene.cameras[0].to_world.translation.length() < 1.0);
+}
+
+/// Whatever the filter, a constant picture stays what it is, and the film's noise shows the filter's weights alone.
+#[test]
+fn filters_keep_the_mean() {
+    let scene = mitsuba(EMITTER);
+    let third = 1.0 / 3.0;
+    with_gpu(|gpu| {
+        for filter in [Filter::Tent { radius: 1.0 }, Filter::GAUSSIAN, Filter::Mitchell { b: third, c: third }] {
+            let mut settings = settings(&scene, "path", Backend::Bvh);
+            settings.filter = filter;
+            let film = render(gpu, &scene, &settings, 400);
+            assert_mean(&format!("{filter:?}"), average(&film)[1], 2.0);
+        }
+    });
+}
+
+/// A filter wider than a pixel carries light across an edge, by the share that its integral says.
+#[test]
+fn filters_blur_as_their_formula_says() {
+    // The square fills x < 0 of the picture: pixel 7 is the last lit one, its centre half a pixel from the edge.
+    let scene =
+        mitsuba(&EMITTER.replace("<emitter", r#"<transform name="to_world"><translate x="-1"/></transform><emitter"#));
+    with_gpu(|gpu| {
+        for filter in [Filter::Tent { radius: 1.0 }, Filter::GAUSSIAN] {
+            let mut settings = settings(&scene, "path", Backend::Bvh);
+            settings.filter = filter;
+            let image = render(gpu, &scene, &settings, 4000).mean();
+            let share = |from: f64, to: f64| {
+                let steps = 10_000;
+                let x = |index: i32| from + (to - from) * (f64::from(index) + 0.5) / f64::from(steps);
+                (0..steps).map(|index| filter.value(x(index))).sum::<f64>() * (to - from)
+            };
+            let radius = filter.radius();
+            for (column, edge) in [(7, 0.5), (8, -0.5)] {
+                let expected = share(-radius, edge) / share(-radius, radius);
+                let found = (4..12).map(|row| f64::from(image.pixels[row * 16 + column][0])).sum::<f64>() / 8.0;
+                assert!((found - expected).abs() < 0.01, "{filter:?}, column {column}: {found} against {expected}");
+            }
+        }
+    });
+}
