@@ -1,5 +1,5 @@
 //! Compiles every shader: technique x pass x backend from the table in `src/integrator.rs`, and the kernels in
-//! `shaders/test`. A shader is compiled again only when its text, or that of a file it includes, has changed.
+//! `shaders/test` and `shaders/rays`. A shader is compiled again only when its text, or that of a file it includes, has changed.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -30,6 +30,14 @@ struct Variant {
     defines: Vec<String>,
 }
 
+/// The names of the files in a folder, in order.
+fn files_in(folder: &str) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
 fn variants() -> Vec<Variant> {
     let mut all = Vec::new();
     for backend in backend::BACKENDS {
@@ -43,17 +51,15 @@ fn variants() -> Vec<Variant> {
                 });
             }
         }
-        let mut kernels: Vec<String> = fs::read_dir("shaders/test")
-            .map(|entries| entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
-            .unwrap_or_default();
-        kernels.sort();
-        for kernel in kernels {
-            all.push(Variant {
-                name: format!("test/{}.{}", kernel.trim_end_matches(".glsl"), backend.name),
-                file: format!("test/{kernel}"),
-                backend,
-                defines: Vec::new(),
-            });
+        for folder in ["test", "rays"] {
+            for kernel in files_in(&format!("shaders/{folder}")) {
+                all.push(Variant {
+                    name: format!("{folder}/{}.{}", kernel.trim_end_matches(".glsl"), backend.name),
+                    file: format!("{folder}/{kernel}"),
+                    backend,
+                    defines: Vec::new(),
+                });
+            }
         }
     }
     all

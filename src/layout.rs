@@ -423,6 +423,8 @@ shared_constants! {
     pub const RAY_COUNTERS = 64;
     /// The largest number of triangles that a kernel can hold as constants.
     pub const INLINE_MAX = 48;
+    /// Bounces that `lumbre rays` follows its paths for.
+    pub const RAY_BOUNCES = 3;
     /// Bytes of one node of the compressed wide BVH.
     pub const NODE_BYTES = 80;
 }

@@ -10,6 +10,7 @@ pub mod integrator;
 pub mod layout;
 pub mod metrics;
 pub mod output;
+pub mod rays;
 pub mod render;
 pub mod scene;
 

@@ -19,7 +19,7 @@ type Mapped = [f32; 14];
 
 fn random(gpu: &Gpu, queries: &[RandomQuery]) -> Vec<Mapped> {
     let scene = with_materials(&[material::diffuse([0.5; 3])]);
-    let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "random").unwrap();
+    let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/random").unwrap();
     probe.run(queries).unwrap()
 }
 
@@ -185,7 +185,7 @@ impl<'a> Bench<'a> {
     fn new(gpu: &'a Gpu) -> Self {
         let cases = cases();
         let scene = with_materials(&cases.iter().map(|case| case.material).collect::<Vec<_>>());
-        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "bsdf").unwrap();
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
         Self { probe, cases, gpu }
     }
 
@@ -352,7 +352,7 @@ fn ggx_albedo_is_the_known_one() {
     mirror.flags = lumbre::layout::MASKING_CORRELATED;
     let scene = with_materials(&[mirror]);
     with_gpu(|gpu| {
-        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "bsdf").unwrap();
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
         let queries: Vec<_> =
             (0..1 << 20).map(|pixel| RandomQuery { pixel, seed: 9, ..RandomQuery::default() }).collect();
         let numbers = random(gpu, &queries);
@@ -423,7 +423,7 @@ fn bsdfs_are_reciprocal() {
 fn smooth_glass_follows_fresnel_and_snell() {
     let scene = with_materials(&[material::dielectric(1.5, [1.0; 3], [1.0; 3], None)]);
     with_gpu(|gpu| {
-        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "bsdf").unwrap();
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
         let ask = |wo: [f32; 3], lobe: f32| -> BsdfAnswer {
             let answers: Vec<BsdfAnswer> =
                 probe.run(&[BsdfQuery { material: 0, wo, wi: [0.0, 0.0, 1.0], u: [0.5, 0.5, lobe] }]).unwrap();

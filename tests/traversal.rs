@@ -325,7 +325,7 @@ fn judge(scene: &Scene, ray: &RayRecord, hit: &HitRecord, primitive: u32, instan
 
 fn check(gpu: &Gpu, scene: &Scene, backend: Backend, count: usize) {
     let rays = rays(scene, count);
-    let probe = Probe::new(gpu, scene, &settings(scene, "path", backend), "trace").unwrap();
+    let probe = Probe::new(gpu, scene, &settings(scene, "path", backend), "test/trace").unwrap();
     let hits: Vec<HitRecord> = probe.run(&rays).unwrap();
     // Rays at random or at the middle of triangles, and rays aimed at vertices, edges and along the axes.
     for (kind, is_kind, most_near_outline) in [
@@ -412,7 +412,7 @@ fn closed_meshes_have_no_holes() {
             .collect();
         with_gpu(|gpu| {
             for backend in backends(gpu) {
-                let probe = Probe::new(gpu, &scene, &settings(&scene, "path", backend), "trace").unwrap();
+                let probe = Probe::new(gpu, &scene, &settings(&scene, "path", backend), "test/trace").unwrap();
                 let hits: Vec<HitRecord> = probe.run(&rays).unwrap();
                 let mut missed = [0; 3]; // at vertices, at edges, elsewhere
                 for (index, _) in hits.iter().enumerate().filter(|(_, hit)| hit.t < 0.0 || hit.blocked == 0) {
@@ -446,7 +446,7 @@ fn inline_triangles_answer_as_the_bvh_does() {
     with_gpu(|gpu| {
         let answers = [0, u64::MAX].map(|expected_samples| {
             let settings = lumbre::render::Settings { expected_samples, ..settings(&scene, "path", Backend::Bvh) };
-            let probe = Probe::new(gpu, &scene, &settings, "trace").unwrap();
+            let probe = Probe::new(gpu, &scene, &settings, "test/trace").unwrap();
             probe.run::<RayRecord, HitRecord>(&rays).unwrap()
         });
         for (index, (memory, inline)) in answers[0].iter().zip(&answers[1]).enumerate() {

@@ -72,8 +72,8 @@ Ray vertex_ray(Vertex v, vec3 w) {
     return Ray(offset_origin(v.at.position, v.at.margin, v.at.normal, w), w, INFINITY);
 }
 
-// Whether the light sample is seen from the vertex.
-bool vertex_sees(Vertex v, LightSample light) {
+// The ray from the vertex to the light sample.
+Ray vertex_shadow_ray(Vertex v, LightSample light) {
     Ray ray = vertex_ray(v, light.wi);
     if (!light.distant) {
         vec3 d = light.target - ray.origin;
@@ -81,8 +81,11 @@ bool vertex_sees(Vertex v, LightSample light) {
         ray.direction = d / distance;
         ray.t_max = distance * (1.0 - gamma(8.0)); // both ends are off their surfaces; what is left is the rounding of t
     }
-    return !trace_any(ray);
+    return ray;
 }
+
+// Whether the light sample is seen from the vertex.
+bool vertex_sees(Vertex v, LightSample light) { return !trace_any(vertex_shadow_ray(v, light)); }
 
 // Goes on in the direction that the BSDF chose.
 void path_scatter(inout Path path, Vertex v, BsdfSample s) {

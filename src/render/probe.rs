@@ -1,4 +1,5 @@
-//! Running the kernels of `shaders/test` over arrays: how tests and `lumbre rays` reach the shaders' functions one by one.
+//! Running the kernels of `shaders/test` and `shaders/rays` over arrays: how tests and `lumbre rays` reach the shaders'
+//! functions one by one.
 
 use bytemuck::Pod;
 
@@ -9,20 +10,27 @@ use crate::gpu::{Buffer, Gpu, Work};
 use crate::layout::{FrameConstants, WORKGROUP, address};
 use crate::scene::Scene;
 
-/// A kernel of `shaders/test` with the scene that it runs on.
+/// A kernel of `shaders/test` or `shaders/rays` with the scene that it runs on.
 pub struct Probe {
     gpu: Gpu,
     kernel: Kernel,
     name: String,
+    size: (u32, u32),
     seed: u32,
 }
 
 impl Probe {
-    /// Makes the kernel `shaders/test/<name>.glsl` for a scene and the backend of `settings`.
+    /// Makes the kernel `shaders/<name>.glsl` for a scene and the backend of `settings`.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
-        let module = format!("test/{name}.{}", settings.backend.name());
+        let module = format!("{name}.{}", settings.backend.name());
         let kernel = Kernel::new(gpu, scene, settings, &module)?;
-        Ok(Self { gpu: gpu.clone(), kernel, name: name.to_owned(), seed: settings.seed })
+        Ok(Self {
+            gpu: gpu.clone(),
+            kernel,
+            name: name.to_owned(),
+            size: (settings.width, settings.height),
+            seed: settings.seed,
+        })
     }
 
     /// Runs one thread per element of `input`, each of which writes one element of the result.
@@ -39,15 +47,28 @@ impl Probe {
             film: address(to.address()),
             lengths: address(from.address()),
             slot_count: count,
+            sample_count: 1,
+            width: self.size.0,
+            height: self.size.1,
             seed: self.seed,
             ..FrameConstants::default()
         };
         let kernel = &self.kernel;
-        self.gpu.run(&format!("test kernel {}", self.name), &format!("{count} elements"), |commands| {
+        self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
             let workgroups = count.div_ceil(WORKGROUP).max(1);
             commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
             commands.barrier();
         })
+    }
+
+    /// Seconds that building and uploading the scene took.
+    pub fn build_seconds(&self) -> f64 {
+        self.kernel.build_seconds
+    }
+
+    /// Bytes on the device by what they hold.
+    pub fn bytes(&self) -> Vec<(&'static str, u64)> {
+        self.kernel.scene.bytes()
     }
 
     /// For each uploaded primitive, its index in the scene: hits are reported in this order.
