@@ -525,6 +525,8 @@ specialisation! {
     20 stack_size STACK_SIZE: uint;
     /// Read nodes and primitives in 64-bit words (faster on CPU devices) rather than in vectors of 32-bit words.
     21 wide_loads WIDE_LOADS: bool;
+    /// Find the traversal stack's top by comparison (faster on CPU devices) rather than by address.
+    23 select_stack SELECT_STACK: bool;
     /// Triangles that the kernel holds as constants; 0 reads them from memory through the BVH.
     22 inline_count INLINE_COUNT: uint;
     /// Surfaces of the scene.

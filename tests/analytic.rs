@@ -1,6 +1,6 @@
 //! Every technique that can solve a case, on every backend, against what is known in closed form.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 
@@ -30,8 +30,7 @@ fn furnace(name: &str) {
                 let film = render(gpu, &scene, &settings, 400);
                 let most = if row.solves == Solves::Direct { 2 } else { u32::MAX };
                 let what = format!("{name}, {} on {}", row.name, backend.name());
-                for channel in 0..3 {
-                    let r = ALBEDO[channel];
+                for (channel, r) in ALBEDO.into_iter().enumerate() {
                     let expected = if most == 2 { 1.0 + r } else { 1.0 / (1.0 - r) };
                     assert_mean(&format!("{what}, channel {channel}"), average(&film)[channel], expected);
                 }

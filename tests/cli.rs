@@ -1,6 +1,6 @@
 //! The program as a user runs it: what it writes, what it says, and its exit status.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -8,8 +8,22 @@ use std::time::{Duration, Instant};
 
 use lumbre::input::read_image;
 
+/// The program on the tests' device (`LUMBRE_TEST_DEVICE`), if one is named.
+fn program(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    command.args(args).current_dir(folder);
+    let names_device = args.contains(&"--device");
+    if let Ok(device) = std::env::var("LUMBRE_TEST_DEVICE")
+        && args.first() == Some(&"render")
+        && !names_device
+    {
+        command.args(["--device", &device]);
+    }
+    command
+}
+
 fn lumbre(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_lumbre")).args(args).current_dir(folder).output().unwrap()
+    program(folder, args).output().unwrap()
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -189,9 +203,8 @@ fn time_limits_are_kept() {
 #[test]
 fn an_interrupt_keeps_the_image() {
     let folder = tempfile::tempdir().unwrap();
-    let child = Command::new(env!("CARGO_BIN_EXE_lumbre"))
-        .args(["render", &scene("cornell.xml"), "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
-        .current_dir(folder.path())
+    let cornell = scene("cornell.xml");
+    let child = program(folder.path(), &["render", &cornell, "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
         .stdout(std::process::Stdio::piped())
         .spawn()
         .unwrap();
@@ -273,16 +286,11 @@ fn bad_commands_name_what_is_valid() {
 #[test]
 fn no_device_is_a_clear_error() {
     let folder = tempfile::tempdir().unwrap();
-    let run = |args: &[&str]| {
-        Command::new(env!("CARGO_BIN_EXE_lumbre"))
-            .args(args)
-            .env("VK_DRIVER_FILES", "/nonexistent.json")
-            .env("VK_ICD_FILENAMES", "/nonexistent.json")
-            .current_dir(folder.path())
-            .output()
-            .unwrap()
-    };
-    let output = run(&["render", &scene("cornell.xml"), "-o", "a.png"]);
+    let output = program(folder.path(), &["render", &scene("cornell.xml"), "-o", "a.png"])
+        .env("VK_DRIVER_FILES", "/nonexistent.json")
+        .env("VK_ICD_FILENAMES", "/nonexistent.json")
+        .output()
+        .unwrap();
     let errors = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.lines().any(|line| line.starts_with("error: ") && line.contains("driver")), "{errors}");

@@ -1,6 +1,6 @@
 //! The host's layout of every shared struct against what the shaders were compiled to.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::collections::{BTreeMap, BTreeSet};
 

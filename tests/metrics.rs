@@ -1,6 +1,6 @@
 //! FLIP against NVIDIA's own implementation.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use lumbre::film::Image;
 use lumbre::metrics::flip_map;

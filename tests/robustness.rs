@@ -1,6 +1,6 @@
 //! Bad input: each case names the culprit in one line, and nothing panics.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 

@@ -1,6 +1,6 @@
 //! Random numbers, sampling maps and BSDFs, through the shaders' own functions.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 
@@ -257,7 +257,7 @@ fn bsdf_samples_follow_their_density() {
                     let [x, y, z] = answer.sampled.map(f64::from);
                     let row = ((z.clamp(-1.0, 1.0).acos() / PI * ROWS as f64) as usize).min(ROWS - 1);
                     let column =
-                        ((y.atan2(x).rem_euclid((2.0 * PI)) / (2.0 * PI) * COLUMNS as f64) as usize).min(COLUMNS - 1);
+                        ((y.atan2(x).rem_euclid(2.0 * PI) / (2.0 * PI) * COLUMNS as f64) as usize).min(COLUMNS - 1);
                     observed[row * COLUMNS + column] += 1.0;
                 }
                 // Narrow peaks are not resolved by the quadrature: those cells are compared as one.

@@ -1,6 +1,6 @@
 //! What scene files mean: each test states the picture that a small file must give.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 

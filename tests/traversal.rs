@@ -1,6 +1,6 @@
 //! Both backends, through the shaders' own `trace_closest` and `trace_any`, against a CPU brute force in double precision.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod common;
 

@@ -1,5 +1,6 @@
 // Backend `bvh`: an eight-wide compressed BVH (Ylitie, Karras and Laine 2017) read through device addresses, two levels
 // where the scene has instances. Runs on every Vulkan 1.3 device.
+#include "trace/stack.glsl"
 #include "trace/triangle.glsl"
 #include "trace/sphere.glsl"
 #include "trace/inline.glsl"
@@ -99,8 +100,8 @@ uint intersect_children(Node node, Traveller r, float t_max) {
 // Traversal keeps a group of nodes and a group of primitives: (base index, hit bits). Each turn of the loop takes one of
 // either, so that lanes which are at different work go on together.
 bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_instance) {
-    uvec2 stack[STACK_SIZE];
-    uint depth = 0u;
+    Stack stack;
+    stack.depth = 0u;
     uint blas_floor = 0u; // the stack's depth at which the current instance was entered
     bool in_instance = !HAS_INSTANCES;
     uint instance = 0u;
@@ -116,7 +117,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
             uint slot = (bit - 24u) ^ (r.octant & 0xffu);
             uint child = nodes.x + uint(bitCount(nodes.y & ~(0xffffffffu << slot)));
             nodes.y &= ~(1u << bit);
-            if (nodes.y > 0x00ffffffu) stack[depth++] = nodes;
+            if (nodes.y > 0x00ffffffu) push(stack, nodes);
             Node node = load_node(child);
             uint hits = intersect_children(node, r, nearest.t);
             nodes = uvec2(node.child_base, (hits & 0xff000000u) | (node.exponents >> 24u));
@@ -127,9 +128,9 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
             primitives.y &= ~(1u << bit);
             uint index = primitives.x + bit;
             if (HAS_INSTANCES && !in_instance) {
-                if (primitives.y != 0u) stack[depth++] = primitives;
-                if (nodes.y > 0x00ffffffu) stack[depth++] = nodes;
-                blas_floor = depth;
+                if (primitives.y != 0u) push(stack, primitives);
+                if (nodes.y > 0x00ffffffu) push(stack, nodes);
+                blas_floor = stack.depth;
                 in_instance = true;
                 instance = index;
                 Instance placed = load_instance(index);
@@ -154,14 +155,14 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
         }
         if (any && found) busy = false;
         if (primitives.y == 0u && nodes.y <= 0x00ffffffu && busy) {
-            if (HAS_INSTANCES && in_instance && depth == blas_floor) {
+            if (HAS_INSTANCES && in_instance && stack.depth == blas_floor) {
                 in_instance = false;
                 r = traveller(ray.origin, ray.direction);
                 blas_floor = 0u;
             }
-            busy = depth > 0u;
+            busy = stack.depth > 0u;
             if (busy) {
-                uvec2 group = stack[--depth];
+                uvec2 group = pop(stack);
                 bool is_nodes = group.y > 0x00ffffffu;
                 nodes = is_nodes ? group : uvec2(0u);
                 primitives = is_nodes ? uvec2(0u) : group;

@@ -220,17 +220,11 @@ impl Structure {
             }
         });
         let mut size = [0u64];
-        // SAFETY: the query was written by the submission above, which is done.
         let read = asked.and_then(|_| {
-            unsafe {
-                device.get_query_pool_results(
-                    query,
-                    0,
-                    &mut size,
-                    vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
-                )
-            }
-            .map_err(gpu.failed("read the compacted size"))
+            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+            // SAFETY: the query was written by the submission above, which is done.
+            unsafe { device.get_query_pool_results(query, 0, &mut size, flags) }
+                .map_err(gpu.failed("read the compacted size"))
         });
         // SAFETY: nothing uses the query any more.
         unsafe { device.destroy_query_pool(query, None) };

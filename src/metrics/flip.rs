@@ -19,7 +19,7 @@ struct Plane {
 
 /// The error of each pixel, 0 to 1, over the sRGB pictures of two linear images (clamped to 0..1).
 pub fn flip_map(image: &Image, reference: &Image) -> Vec<f32> {
-    let [test, truth] = [image, reference].map(|image| to_ycxcz(image));
+    let [test, truth] = [image, reference].map(to_ycxcz);
     let colour = colour_differences(&test, &truth);
     let feature = feature_differences(&test[0], &truth[0]);
     // Equation 20: features raise the colour error.

@@ -38,6 +38,7 @@ impl Kernel {
             rr_depth: settings.rr_depth,
             filter: settings.filter.parameters().0,
             wide_loads: gpu.survey().kind == DeviceKind::Cpu,
+            select_stack: gpu.survey().kind == DeviceKind::Cpu,
             stack_size: uploaded.stack_size,
             inline_count: uploaded.inline.len() as u32,
             param0,

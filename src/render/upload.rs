@@ -169,7 +169,9 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
     });
     let instance_order = top.as_ref().map_or(vec![0], |top| top.order.clone());
     let top_depth = top.as_ref().map_or(0, |top| top.depth);
-    let stack_size = top_depth + trees.iter().map(|tree| tree.depth).max().unwrap_or(1) + 2;
+    // Below the root each level leaves one group behind; entering an instance leaves the rest of its node's two groups.
+    let below = trees.iter().map(|tree| tree.depth).max().unwrap_or(1) - 1;
+    let stack_size = (if needs.instances { top_depth + 1 + below } else { below }).max(1);
 
     let mut nodes = Vec::new();
     let mut instances = Vec::new();

@@ -100,11 +100,7 @@ fn to_mesh(mesh: tobj::Mesh) -> Mesh {
     }
 }
 
-fn read(
-    path: &Path,
-    mut reader: Lines,
-    materials: impl Fn(&Path) -> tobj::MTLLoadResult,
-) -> Result<(Vec<tobj::Model>, Result<Vec<tobj::Material>, LoadError>)> {
+fn read(path: &Path, mut reader: Lines, materials: impl Fn(&Path) -> tobj::MTLLoadResult) -> Result<Models> {
     tobj::load_obj_buf(&mut reader, &OPTIONS, materials).map_err(|error| {
         let line = reader.number;
         match error {
@@ -120,6 +116,9 @@ fn read(
         }
     })
 }
+
+/// What the OBJ reader returns: the groups, and the materials or why there are none.
+type Models = (Vec<tobj::Model>, Result<Vec<tobj::Material>, LoadError>);
 
 /// Reads line by line, counting them; lines that begin with one of the skipped keywords read as empty.
 struct Lines {

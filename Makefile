@@ -1,0 +1,35 @@
+# Two commands: `make demo` renders the Cornell box to out/, `make test` checks everything. Both install what the machine
+# lacks first (.ci/setup), and cost nothing extra where nothing is missing.
+
+CARGO ?= cargo
+LUMBRE = target/release/lumbre
+
+# The tests run on lavapipe, on every machine alike: on it both backends must be there.
+export LUMBRE_TEST_DEVICE ?= llvmpipe
+export LUMBRE_TEST_BACKENDS ?= all
+
+.PHONY: demo build test quick clean
+
+demo: build
+	@mkdir -p out
+	$(LUMBRE) render scenes/cornell.xml -o out/cornell.exr -o out/cornell.png
+
+build:
+	@.ci/setup build
+	$(CARGO) build --release
+
+test:
+	@.ci/setup test
+	$(CARGO) fmt --check
+	$(CARGO) clippy --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
+	$(CARGO) test
+
+# The tests alone, for the loop of edit and try.
+quick:
+	@.ci/setup test
+	$(CARGO) test
+
+clean:
+	$(CARGO) clean
+	rm -rf out
