@@ -155,7 +155,7 @@ fn polygon(builder: &mut SceneBuilder, corners: &[DVec3], surface: usize) {
     if normal.dot(corners[0]) > 0.0 {
         triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
-    let mesh = Mesh { positions: corners.to_vec(), normals: Vec::new(), triangles };
+    let mesh = Mesh { positions: corners.to_vec(), triangles, ..Mesh::default() };
     builder.mesh(0, "polygon", mesh, DAffine3::IDENTITY, surface);
 }
 

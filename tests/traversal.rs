@@ -85,7 +85,7 @@ fn icosphere(levels: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh { positions, normals: Vec::new(), triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 /// Instances (turned, mirrored, sheared), spheres, slivers, quads along the axes, and a mesh with shared edges.

@@ -7,6 +7,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::camera::{Camera, FovAxis};
 use super::light::{Lamp, fill_alias_table, importance, power, triangle_area};
 use super::material::{self, transmits};
+use super::mesh::Mesh;
 use super::{FilmSettings, Filter, Group, Instance, Scene, TechniqueRequest};
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result};
@@ -14,17 +15,6 @@ use crate::layout::{
     Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, Material, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK,
     Surface,
 };
-
-/// Triangles with shared vertices.
-#[derive(Clone, Debug, Default)]
-pub struct Mesh {
-    /// Vertex positions.
-    pub positions: Vec<DVec3>,
-    /// One normal per vertex, or none at all.
-    pub normals: Vec<Vec3>,
-    /// Three vertex indices per triangle.
-    pub triangles: Vec<[u32; 3]>,
-}
 
 /// What one side of a surface is made of.
 pub type Side = Option<usize>;
@@ -137,7 +127,7 @@ impl SceneBuilder {
     /// Adds a parallelogram whose normal is `edge1` x `edge2`.
     pub fn parallelogram(&mut self, corner: DVec3, edge1: DVec3, edge2: DVec3, surface: usize) {
         let positions = vec![corner, corner + edge1, corner + edge1 + edge2, corner + edge2];
-        let mesh = Mesh { positions, normals: Vec::new(), triangles: vec![[0, 1, 2], [0, 2, 3]] };
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
         self.mesh(WORLD, "parallelogram", mesh, DAffine3::IDENTITY, surface);
     }
 

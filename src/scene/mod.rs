@@ -9,6 +9,7 @@ pub mod filter;
 pub mod light;
 pub mod load;
 pub mod material;
+mod mesh;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
@@ -19,10 +20,11 @@ use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
 
-pub use builder::{Mesh, SceneBuilder, Side, SurfaceDescription};
+pub use builder::{SceneBuilder, Side, SurfaceDescription};
 pub use camera::Camera;
 pub use filter::Filter;
 pub use load::{LoadOptions, load};
+pub use mesh::Mesh;
 pub use needs::Needs;
 
 use crate::bvh::Bounds;

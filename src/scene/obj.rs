@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use tobj::LoadError;
 
-use super::builder::{Mesh, SceneBuilder, SurfaceDescription, WORLD};
-use super::{Scene, material};
+use super::builder::{SceneBuilder, SurfaceDescription, WORLD};
+use super::{Mesh, Scene, material};
 use crate::error::{Error, Result};
 use crate::layout::Material;
 
@@ -96,6 +96,7 @@ fn to_mesh(mesh: tobj::Mesh) -> Mesh {
     Mesh {
         positions: vectors(&mesh.positions),
         normals: vectors(&mesh.normals).into_iter().map(|normal| normal.as_vec3()).collect::<Vec<Vec3>>(),
+        uvs: mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0] as f32, uv[1] as f32)).collect(),
         triangles: mesh.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect(),
     }
 }

@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
-use super::builder::Mesh;
+use super::Mesh;
 use crate::error::{Error, Result};
 
-/// Reads positions, normals (if all three are there) and faces; polygons become fans of triangles.
+/// Reads positions, normals (if all three are there), texture coordinates (`u`, `v` or `s`, `t`) and faces; polygons become fans of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {
     let file = File::open(path).map_err(|error| Error::read(path, error))?;
     let wrong = |error: ParseError| parse_error(path, &error);
@@ -31,6 +31,12 @@ pub fn read(path: &Path) -> Result<Mesh> {
                     Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
                 if ["nx", "ny", "nz"].iter().all(|name| element.properties.contains_key(*name)) {
                     mesh.normals = vertices.iter().map(|vertex| vertex.normal).collect();
+                }
+                if [["u", "v"], ["s", "t"]]
+                    .iter()
+                    .any(|pair| pair.iter().all(|name| element.properties.contains_key(*name)))
+                {
+                    mesh.uvs = vertices.iter().map(|vertex| vertex.uv).collect();
                 }
                 mesh.positions = vertices.iter().map(|vertex| vertex.position).collect();
             }
@@ -95,6 +101,7 @@ fn parse_error(path: &Path, error: &ParseError) -> Error {
 struct Vertex {
     position: DVec3,
     normal: Vec3,
+    uv: Vec2,
 }
 
 #[derive(Default)]
@@ -124,6 +131,8 @@ impl PropertyAccess for Vertex {
             "nx" => self.normal.x = value as f32,
             "ny" => self.normal.y = value as f32,
             "nz" => self.normal.z = value as f32,
+            "u" | "s" => self.uv.x = value as f32,
+            "v" | "t" => self.uv.y = value as f32,
             _ => return PropertyAccessResult::Ignored,
         }
         PropertyAccessResult::Set

@@ -2,12 +2,13 @@
 
 use std::rc::Rc;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::DVec3;
 
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::Result;
-use crate::scene::builder::{Mesh, SurfaceDescription};
+use crate::scene::builder::SurfaceDescription;
+use crate::scene::mesh::Mesh;
 use crate::scene::{material, obj, ply};
 
 const SUPPORTED: [&str; 7] = ["obj", "ply", "rectangle", "cube", "sphere", "shapegroup", "instance"];
@@ -49,12 +50,12 @@ impl Loader {
             "rectangle" => {
                 // The normal follows the inverse transpose, whatever the map does to the winding.
                 let mirrored = to_world.matrix3.determinant() < 0.0;
-                let mesh = turn(rectangle(), flip != mirrored);
+                let mesh = Mesh::rectangle().turned(flip != mirrored);
                 self.builder.mesh(group, &name, mesh, to_world, surface);
             }
             "cube" => {
                 let mirrored = to_world.matrix3.determinant() < 0.0;
-                self.builder.mesh(group, &name, turn(cube(), flip != mirrored), to_world, surface);
+                self.builder.mesh(group, &name, Mesh::cube().turned(flip != mirrored), to_world, surface);
             }
             kind @ ("obj" | "ply") => {
                 let face_normals = object.boolean("face_normals", false)?;
@@ -71,7 +72,7 @@ impl Loader {
                 } else if mesh.normals.is_empty() {
                     mesh.compute_normals();
                 }
-                self.builder.mesh(group, &file.display().to_string(), turn(mesh, flip), to_world, surface);
+                self.builder.mesh(group, &file.display().to_string(), mesh.turned(flip), to_world, surface);
             }
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         }
@@ -125,65 +126,5 @@ impl Loader {
         let group = self.shape_group(&shape)?;
         self.builder.instance(group, to_world);
         object.finish()
-    }
-}
-
-/// The mesh with its front turned to the other side, where `turned` says so.
-fn turn(mut mesh: Mesh, turned: bool) -> Mesh {
-    if turned {
-        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        mesh.normals.iter_mut().for_each(|normal| *normal = -*normal);
-    }
-    mesh
-}
-
-/// The square from (-1, -1, 0) to (1, 1, 0), facing +z.
-fn rectangle() -> Mesh {
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-    Mesh {
-        positions: corners.map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec(),
-        normals: Vec::new(),
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    }
-}
-
-/// The cube from (-1, -1, -1) to (1, 1, 1), facing outwards.
-fn cube() -> Mesh {
-    let mut mesh = Mesh::default();
-    let faces = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
-    for normal in faces {
-        // Two more axes that make a right-handed frame with the normal, so that the face is counter-clockwise from outside.
-        let tangent = DVec3::new(normal.z, normal.x, normal.y);
-        let bitangent = normal.cross(tangent);
-        let first = mesh.positions.len() as u32;
-        let corner = |a: f64, b: f64| normal + a * tangent + b * bitangent;
-        mesh.positions.extend([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    }
-    mesh
-}
-
-impl Mesh {
-    /// Vertex normals: the faces' normals weighted by the angle that they have at the vertex (Thuermer and Wuethrich 1998).
-    pub fn compute_normals(&mut self) {
-        let mut sums = vec![DVec3::ZERO; self.positions.len()];
-        for triangle in &self.triangles {
-            let corners = triangle.map(|vertex| self.positions.get(vertex as usize).copied());
-            let [Some(a), Some(b), Some(c)] = corners else { continue }; // the builder reports it
-            let Some(normal) = (b - a).cross(c - a).try_normalize() else { continue };
-            for (index, (p, q, r)) in [(a, b, c), (b, c, a), (c, a, b)].into_iter().enumerate() {
-                let angle = (q - p).angle_between(r - p);
-                if angle.is_finite() {
-                    sums[triangle[index] as usize] += angle * normal;
-                }
-            }
-        }
-        self.normals =
-            sums.into_iter().map(|sum| sum.try_normalize().unwrap_or(DVec3::X).as_vec3()).collect::<Vec<Vec3>>();
-    }
-
-    /// Moves every vertex.
-    pub fn transform(&mut self, map: DAffine3) {
-        self.positions.iter_mut().for_each(|position| *position = map.transform_point3(*position));
     }
 }
