@@ -204,14 +204,20 @@ fn time_limits_are_kept() {
 fn an_interrupt_keeps_the_image() {
     let folder = tempfile::tempdir().unwrap();
     let cornell = scene("cornell.xml");
-    let child = program(folder.path(), &["render", &cornell, "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
+    let mut child = program(folder.path(), &["render", &cornell, "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
         .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_secs(3));
+    // The first line of progress says that the picture is under way.
+    let mut progress = std::io::BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    std::io::BufRead::read_line(&mut progress, &mut line).unwrap();
+    assert!(line.contains("spp"), "{line}");
     let interrupted = Instant::now();
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    // The shell's own `kill`: the program of that name is not on every machine.
+    let signal = format!("kill -INT {}", child.id());
+    assert!(Command::new("sh").args(["-c", &signal]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
     assert!(text(&output.stdout).starts_with("interrupted: what was rendered is kept"), "{}", text(&output.stdout));

@@ -10,6 +10,8 @@ use super::Job;
 
 /// Seconds between two lines where standard error is no terminal.
 const INTERVAL: f64 = 10.0;
+/// Seconds before the first of them.
+const FIRST_LINE: f64 = 2.0;
 
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
@@ -28,7 +30,7 @@ impl Progress {
             }
             bar
         });
-        Self { bar, quiet, spp: job.spp, time: job.time, next_line: INTERVAL }
+        Self { bar, quiet, spp: job.spp, time: job.time, next_line: FIRST_LINE }
     }
 
     pub fn update(&mut self, renderer: &Renderer, seconds: f64) {
