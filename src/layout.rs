@@ -20,6 +20,8 @@ pub type vec2 = [f32; 2];
 pub type vec3 = [f32; 3];
 /// A GLSL `vec4`.
 pub type vec4 = [f32; 4];
+/// A GLSL `uvec3`.
+pub type uvec3 = [u32; 3];
 /// A GLSL `uvec2`; also a 64-bit device address, low word first.
 pub type uvec2 = [u32; 2];
 
@@ -114,14 +116,26 @@ shared_structs! {
         /// Density with which light selection and sampling pick a point of it: per area (1/m²) on triangles; on a sphere
         /// the probability of picking that sphere, whose points are then picked by solid angle.
         light_density: float,
+        /// Texture that multiplies the emission, or [`NONE`].
+        emission_texture: uint,
+        /// Share of light that the surface stops; the rest passes straight through, whatever the material.
+        opacity: float,
+        /// Texture that multiplies the opacity, or [`NONE`].
+        opacity_texture: uint,
+        /// With an opacity texture: where above 0, opacities below it count as 0 and others as 1.
+        opacity_cutoff: float,
     }
 
     /// The parameters of one BSDF; which of them count depends on `kind`.
     pub struct Material {
         /// One of the `MATERIAL_*` constants.
         kind: uint,
-        /// [`MASKING_CORRELATED`] or 0.
+        /// The `MASKING_*` and `MATERIAL_HAS_*` bits.
         flags: uint,
+        /// Index of what does not fit here: into the blends, plastics, principleds or layereds, by `kind`.
+        detail: uint,
+        /// Index into the [`MaterialTextures`], or [`NONE`].
+        textures: uint,
         /// GGX roughness along the first tangent.
         alpha_u: float,
         /// GGX roughness along the second tangent.
@@ -136,6 +150,148 @@ shared_structs! {
         conductor_eta: vec3,
         /// Imaginary part of it.
         conductor_k: vec3,
+    }
+
+    /// The textures of a material. Each multiplies (colours, weights) or replaces (roughness) what the material says.
+    pub struct MaterialTextures {
+        /// Of the reflectance or base colour, or [`NONE`].
+        reflectance: uint,
+        /// Of the transmittance, or of a plastic's specular reflectance.
+        transmittance: uint,
+        /// Of the roughness along both tangents: alpha, or perceptual roughness of principled and layered materials.
+        roughness: uint,
+        /// Of the metalness.
+        metallic: uint,
+        /// Tangent-space normals.
+        normal: uint,
+        /// Factor on the first two components of those normals.
+        normal_scale: float,
+        /// Height that displaces the surface (bump map).
+        bump: uint,
+        /// Factor on that height, in scene units.
+        bump_scale: float,
+    }
+
+    /// Two materials, one of which a path meets by chance.
+    pub struct Blend {
+        /// Met with probability 1 - weight.
+        first: uint,
+        /// Met with probability `weight`.
+        second: uint,
+        /// The probability of the second.
+        weight: float,
+        /// Texture of the weight, or [`NONE`].
+        weight_texture: uint,
+    }
+
+    /// A diffuse base under a smooth or rough dielectric coating.
+    pub struct Plastic {
+        /// Factor on the coating's reflection.
+        specular: vec3,
+        /// Diffuse Fresnel reflectance of the coating from inside: what the base's light is thrown back by.
+        internal_reflectance: float,
+        /// Probability, but for Fresnel, of sampling the coating.
+        specular_weight: float,
+        /// 1: light that is thrown back takes on the base's colour each time.
+        nonlinear: uint,
+        /// First of [`PLASTIC_CELLS`] values in the float tables: transmittance of a rough coating by cosine.
+        table: uint,
+    }
+
+    /// Parameters of the principled BSDF (Burley 2012, 2015).
+    pub struct Principled {
+        /// 0: dielectric, 1: metal.
+        metallic: float,
+        /// Stretches the highlight along the tangent.
+        anisotropic: float,
+        /// Share of a dielectric's light that is refracted rather than scattered diffusely.
+        spec_trans: float,
+        /// How much the base colour tints the dielectric's reflection.
+        spec_tint: float,
+        /// Strength of the sheen.
+        sheen: float,
+        /// How much the base colour tints it.
+        sheen_tint: float,
+        /// Blends the diffuse lobe towards an approximation of subsurface scattering.
+        flatness: float,
+        /// Strength of the clear coat.
+        clearcoat: float,
+        /// Its glossiness.
+        clearcoat_gloss: float,
+    }
+
+    /// Parameters of the layered material of glTF 2.0 (metallic-roughness and its extensions).
+    pub struct Layered {
+        /// 0: dielectric, 1: metal.
+        metallic: float,
+        /// Strength of the dielectric's reflection.
+        specular: float,
+        /// Colour of that reflection at normal incidence.
+        specular_colour: vec3,
+        /// Share of the dielectric's light that passes through rather than scatters diffusely.
+        transmission: float,
+        /// Strength of the clear coat.
+        clearcoat: float,
+        /// Its perceptual roughness.
+        clearcoat_roughness: float,
+        /// Colour of the sheen.
+        sheen_colour: vec3,
+        /// Its perceptual roughness.
+        sheen_roughness: float,
+        /// Absorption inside, 1/m per channel.
+        absorption: vec3,
+        /// 1: refracts as the boundary of a volume; 0: light passes straight through a thin wall.
+        is_volume: uint,
+        /// Texture whose alpha multiplies `specular`, or [`NONE`].
+        specular_texture: uint,
+        /// Texture of the specular colour.
+        specular_colour_texture: uint,
+        /// Texture whose red multiplies the transmission.
+        transmission_texture: uint,
+        /// Texture whose red multiplies the clear coat.
+        clearcoat_texture: uint,
+        /// Texture whose green multiplies the clear coat's roughness.
+        clearcoat_roughness_texture: uint,
+        /// Texture of the sheen's colour.
+        sheen_colour_texture: uint,
+        /// Texture whose alpha multiplies the sheen's roughness.
+        sheen_roughness_texture: uint,
+    }
+
+    /// Values over texture coordinates: texels, or a pattern.
+    pub struct Texture {
+        /// One of the `TEXTURE_*` kinds.
+        kind: uint,
+        /// One of the `TEXELS_*` formats.
+        format: uint,
+        /// Device address of the texels, row by row from the first.
+        texels: uvec2,
+        /// Texels across.
+        width: uint,
+        /// Texels down.
+        height: uint,
+        /// One of the `WRAP_*` constants for each direction, 8 bits each; then [`FILTER_NEAREST_BIT`].
+        sampling: uint,
+        /// Channel of a scalar: 0 to 3, or 4 for luminance.
+        channel: uint,
+        /// First row of the map from surface to texture coordinates.
+        row_u: vec3,
+        /// Second row of it.
+        row_v: vec3,
+        /// Factor on the values; the first colour of a checkerboard.
+        scale: vec4,
+        /// Added to the values; the second colour of a checkerboard.
+        offset: vec4,
+    }
+
+    /// One entry of an alias table over texels.
+    pub struct AliasEntry {
+        /// Probability of keeping this entry once it is drawn ...
+        keep: float,
+        /// ... and the entry to take instead.
+        alias: uint,
+        /// Density of this entry over the unit square of texture coordinates.
+        density: float,
     }
 
     /// One entry of the light table; what its members mean depends on `kind`.
@@ -156,6 +312,11 @@ shared_structs! {
         keep: float,
         /// ... and the entry to take instead.
         alias: uint,
+        /// Area light: its surface. Spot, projector: texture that multiplies the intensity, or [`NONE`].
+        source: uint,
+        /// Triangle with a texture: the vertices' texture coordinates in the vertex attributes. Spot, projector: the
+        /// light's frame, three floats each, in the float tables.
+        corners: uvec3,
     }
 
     /// One placement of a group of primitives: an affine map and where the group's data begins.
@@ -176,6 +337,8 @@ shared_structs! {
         root: uint,
         /// `ray-query`: the first primitive of the geometry that this instance places.
         first_primitive: uint,
+        /// 0 where both maps are the identity, which rounds nothing.
+        moved: uint,
     }
 
     /// What stays the same through one rendering: the beginning of the uniform buffer at [`BINDING_SCENE`]. After it come
@@ -190,8 +353,27 @@ shared_structs! {
         camera_dx: vec3,
         /// Change of it per pixel down.
         camera_dy: vec3,
-        /// Radiance of the constant background.
+        /// Change of the ray's origin per unit of lens, along the image; zero for a pinhole. For an orthographic camera,
+        /// change of the origin per pixel to the right.
+        lens_x: vec3,
+        /// The same down the image.
+        lens_y: vec3,
+        /// Distance along the viewing direction at which a thin lens is in focus, in lengths of it.
+        focus: float,
+        /// Radiance of the background, or the factor on its texture.
         background: vec3,
+        /// Texture of the background, or [`NONE`].
+        background_texture: uint,
+        /// World to background space, first row.
+        background_x: vec3,
+        /// World to background space, second row.
+        background_y: vec3,
+        /// World to background space, third row.
+        background_z: vec3,
+        /// Cells of the background's alias table, across and down.
+        background_cells: uvec2,
+        /// Device address of that table: one [`AliasEntry`] per cell, row by row.
+        background_table: uvec2,
         /// Probability of selecting the background as the light to sample.
         background_probability: float,
         /// Device address of the `bvh` nodes (80 bytes each; instances first, then each group).
@@ -202,10 +384,32 @@ shared_structs! {
         corners: uvec2,
         /// Device address of the vertex normals, three floats each.
         normals: uvec2,
+        /// Device address of the texture coordinates, two floats each.
+        uvs: uvec2,
+        /// Device address of the tangents, four floats each: direction, and the sign of the bitangent.
+        tangents: uvec2,
+        /// Device address of the vertex colours, four floats each.
+        colours: uvec2,
         /// Device address of the [`Surface`]s.
         surfaces: uvec2,
         /// Device address of the [`Material`]s.
         materials: uvec2,
+        /// Device address of the [`MaterialTextures`].
+        material_textures: uvec2,
+        /// Device address of the [`Blend`]s.
+        blends: uvec2,
+        /// Device address of the [`Plastic`]s.
+        plastics: uvec2,
+        /// Device address of the [`Principled`]s.
+        principleds: uvec2,
+        /// Device address of the [`Layered`]s.
+        layereds: uvec2,
+        /// Device address of the [`Texture`]s.
+        textures: uvec2,
+        /// Device address of tables of floats; the first 256 decode 8-bit sRGB.
+        tables: uvec2,
+        /// Entries of the light table.
+        light_count: uint,
         /// Device address of the [`Light`]s.
         lights: uvec2,
         /// Device address of the [`Instance`]s.
@@ -365,7 +569,11 @@ shared_constants! {
     /// Flag on [`Primitive::surface`]: the triangle has vertex normals.
     pub const SMOOTH_BIT = 0x4000_0000;
     /// The bits of [`Primitive::surface`] that index the surfaces.
-    pub const SURFACE_MASK = 0x3fff_ffff;
+    pub const SURFACE_MASK = 0x0fff_ffff;
+    /// Flag on [`Primitive::surface`]: the triangle has texture coordinates.
+    pub const UV_BIT = 0x2000_0000;
+    /// Flag on [`Primitive::surface`]: the triangle has tangents.
+    pub const TANGENT_BIT = 0x1000_0000;
 
     /// Lambertian reflection.
     pub const MATERIAL_DIFFUSE = 0;
@@ -378,8 +586,54 @@ shared_constants! {
     /// Rough glass (GGX).
     pub const MATERIAL_ROUGH_DIELECTRIC = 4;
 
+    /// A thin sheet of glass, met once.
+    pub const MATERIAL_THIN_DIELECTRIC = 5;
+    /// A diffuse base under a smooth coating.
+    pub const MATERIAL_PLASTIC = 6;
+    /// A diffuse base under a rough coating (GGX).
+    pub const MATERIAL_ROUGH_PLASTIC = 7;
+    /// Burley's principled BSDF.
+    pub const MATERIAL_PRINCIPLED = 8;
+    /// The layered material of glTF.
+    pub const MATERIAL_LAYERED = 9;
+    /// One of two materials, by chance.
+    pub const MATERIAL_BLEND = 10;
+    /// Kinds of material.
+    pub const MATERIAL_KINDS = 11;
+
     /// Flag on [`Material::flags`]: microfacets mask each other with correlated heights.
     pub const MASKING_CORRELATED = 1;
+    /// Flag on [`Material::flags`]: microfacet slopes are Beckmann's instead of GGX's.
+    pub const MICROFACET_BECKMANN = 2;
+    /// Flag on [`Material::flags`]: light passes through, so the material is the same from both sides.
+    pub const MATERIAL_HAS_TRANSMISSION = 4;
+    /// Flag on [`Material::flags`]: the shading frame must follow the texture coordinates.
+    pub const MATERIAL_HAS_TANGENTS = 8;
+    /// Flag on [`Material::flags`]: light that crosses it is weighted by what it absorbs inside.
+    pub const MATERIAL_HAS_ABSORPTION = 16;
+    /// Flag on [`Material::flags`]: vertex colours multiply the reflectance.
+    pub const MATERIAL_HAS_COLOURS = 32;
+
+    /// A texture of texels.
+    pub const TEXTURE_IMAGE = 0;
+    /// A texture of two colours in squares.
+    pub const TEXTURE_CHECKERBOARD = 1;
+    /// Texels of four bytes: sRGB red, green and blue, linear alpha.
+    pub const TEXELS_SRGB8 = 0;
+    /// Texels of four bytes, linear.
+    pub const TEXELS_LINEAR8 = 1;
+    /// Texels of four floats.
+    pub const TEXELS_FLOAT = 2;
+    /// Coordinates outside of the texture repeat it.
+    pub const WRAP_REPEAT = 0;
+    /// They repeat it mirrored.
+    pub const WRAP_MIRROR = 1;
+    /// They see its edge.
+    pub const WRAP_CLAMP = 2;
+    /// Flag on [`Texture::sampling`]: the nearest texel instead of bilinear interpolation.
+    pub const FILTER_NEAREST_BIT = 0x10000;
+    /// Cells of a rough plastic's table of transmittance.
+    pub const PLASTIC_CELLS = 64;
 
     /// A triangle that emits from its front.
     pub const LIGHT_TRIANGLE = 0;
@@ -391,6 +645,17 @@ shared_constants! {
     pub const LIGHT_SPOT = 3;
     /// Parallel light from infinitely far.
     pub const LIGHT_DIRECTIONAL = 4;
+    /// A point that projects a texture.
+    pub const LIGHT_PROJECTOR = 5;
+    /// Kinds of light.
+    pub const LIGHT_KINDS = 6;
+
+    /// All rays begin in one point.
+    pub const CAMERA_PINHOLE = 0;
+    /// Rays begin on a lens and meet in the plane of focus.
+    pub const CAMERA_THIN_LENS = 1;
+    /// All rays are parallel.
+    pub const CAMERA_ORTHOGRAPHIC = 2;
 
     /// Constant over the pixel.
     pub const FILTER_BOX = 0;
@@ -533,6 +798,40 @@ specialisation! {
     28 surface_count SURFACE_COUNT: uint;
     /// Materials of the scene.
     29 material_count MATERIAL_COUNT: uint;
+    /// Some material is a thin dielectric.
+    30 thin_dielectric HAS_THIN_DIELECTRIC: bool;
+    /// Some material is smooth plastic.
+    31 plastic HAS_PLASTIC: bool;
+    /// Some material is rough plastic.
+    32 rough_plastic HAS_ROUGH_PLASTIC: bool;
+    /// Some material is principled.
+    33 principled HAS_PRINCIPLED: bool;
+    /// Some material is layered.
+    34 layered HAS_LAYERED: bool;
+    /// Some material is a blend.
+    35 blends HAS_BLENDS: bool;
+    /// Some material has textures.
+    36 material_textures HAS_MATERIAL_TEXTURES: bool;
+    /// Something reads texture coordinates.
+    37 uvs HAS_UVS: bool;
+    /// Some shading frame follows the texture coordinates.
+    38 tangents HAS_TANGENTS: bool;
+    /// Some surface lets light pass straight through.
+    39 masks HAS_MASKS: bool;
+    /// Some emission is textured.
+    40 textured_lights HAS_TEXTURED_LIGHTS: bool;
+    /// Some light projects a texture.
+    41 projectors HAS_PROJECTORS: bool;
+    /// The background is an image.
+    42 environment HAS_ENVIRONMENT: bool;
+    /// Some microfacets are Beckmann's.
+    43 beckmann HAS_BECKMANN: bool;
+    /// Some material absorbs light inside.
+    44 absorption HAS_ABSORPTION: bool;
+    /// Some mesh has vertex colours.
+    45 colours HAS_COLOURS: bool;
+    /// The camera, one of the `CAMERA_*` constants.
+    46 camera CAMERA: uint;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.

@@ -28,7 +28,8 @@ fn with_materials(materials: &[Material]) -> Scene {
     let mut builder = SceneBuilder::new("materials");
     for (index, material) in materials.iter().enumerate() {
         let id = builder.material(*material);
-        let surface = builder.surface(SurfaceDescription { front: Some(id), back: None, emission: [0.0; 3] });
+        let surface =
+            builder.surface(SurfaceDescription { front: Some(id), back: None, ..SurfaceDescription::default() });
         builder.sphere(0, "sphere", DVec3::new(index as f64 * 3.0, 0.0, 0.0), 1.0, surface);
     }
     builder.finish().unwrap()

@@ -226,6 +226,24 @@ fn groups_are_placed_by_instances() {
     assert!(Needs::of(&scene).instances && Needs::of(&scene).spheres);
 }
 
+/// Normals go by the inverse transpose: a slanted square that is stretched by its instance is lit like one that was
+/// stretched in its file.
+#[test]
+fn stretched_instances_turn_their_normals() {
+    let slanted = r#"<transform name="to_world"><rotate x="1" angle="-50"/>STRETCH</transform>"#;
+    let stretch = r#"<scale x="1" y="1" z="3"/>"#;
+    let light = r#"<emitter type="directional"><vector name="direction" value="0.2, -1, -0.4"/></emitter>"#;
+    let plain = format!(r#"<shape type="rectangle">{}{GREY}</shape>{light}"#, slanted.replace("STRETCH", stretch));
+    let placed = format!(
+        r#"<shape type="shapegroup" id="g"><shape type="rectangle">{}{GREY}</shape></shape>
+        <shape type="instance"><ref id="g"/><transform name="to_world">{stretch}</transform></shape>{light}"#,
+        slanted.replace("STRETCH", "")
+    );
+    let [expected, found] = [plain, placed].map(|body| mean(&mitsuba(&body), 64));
+    assert!(expected[0] > 0.01, "{expected:?}");
+    assert!((found[0] / expected[0] - 1.0).abs() < 1e-3, "{found:?} against {expected:?}");
+}
+
 /// A flat square as OBJ or PLY, counter-clockwise from +z.
 const SQUARE_OBJ: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
 

@@ -21,8 +21,7 @@ float by_emitter(LightSample light, float both) {
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    bool found = trace_closest(path.ray, hit);
-    e.rays += 1u;
+    bool found = path_trace(path, hit, e);
     if (!found) {
         if (HAS_BACKGROUND) {
             float weight = by_bsdf(path, background_weight(path));
@@ -31,26 +30,24 @@ bool path_extend(inout Path path, inout Estimate e) {
         return false;
     }
     Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
     vec3 emission = vertex_emission(v, path.ray);
     if (emission != vec3(0.0))
         contribute(e, path.depth + 1u, path.throughput * emission * by_bsdf(path, emission_weight(path, hit, v)));
     if (path.depth + 1u >= min(MAX_DEPTH, 2u) || v.material == NONE) return false;
-    Material m = vertex_material(v);
+    Bsdf b = vertex_material(v, path.ray, path.random);
 
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(m)) {
+    if (!bsdf_is_delta(b)) {
         LightSample light = light_sample(v.at.position, light_u);
         vec3 wi = vertex_to_local(v, light.wi);
-        float weight = by_emitter(light, power_heuristic(light.pdf_w, bsdf_pdf(m, v.wo, wi)));
-        vec3 radiance = path.throughput * bsdf_eval(m, v.wo, wi) * light.weight * weight;
-        if (radiance != vec3(0.0)) {
-            e.rays += 1u;
-            if (vertex_sees(v, light)) contribute(e, path.depth + 2u, radiance);
-        }
+        float weight = by_emitter(light, power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi)));
+        vec3 radiance = path.throughput * vertex_eval(v, b, wi, light.wi) * light.weight * weight;
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
         if (PARAM0 == SAMPLE_EMITTER) return false;
     }
-    path_scatter(path, v, bsdf_sample(m, v.wo, bsdf_u.xyz));
+    path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));
     return path.throughput != vec3(0.0);
 }
 

@@ -11,37 +11,34 @@ const uint ENDLESS = 4096u;
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    bool found = trace_closest(path.ray, hit);
-    e.rays += 1u;
+    bool found = path_trace(path, hit, e);
     if (!found) {
         if (HAS_BACKGROUND)
             contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction) * background_weight(path));
         return false;
     }
     Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
 
     // 1. Emission that the path has run into.
     vec3 emission = vertex_emission(v, path.ray);
     if (emission != vec3(0.0)) contribute(e, path.depth + 1u, path.throughput * emission * emission_weight(path, hit, v));
     if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
-    Material m = vertex_material(v);
+    Bsdf b = vertex_material(v, path.ray, path.random);
 
     // 2. Next-event estimation: a sample of the lights, weighted against the chance that the BSDF picks its direction.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(m)) {
+    if (!bsdf_is_delta(b)) {
         LightSample light = light_sample(v.at.position, light_u);
         vec3 wi = vertex_to_local(v, light.wi);
-        float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(m, v.wo, wi));
-        vec3 radiance = path.throughput * bsdf_eval(m, v.wo, wi) * light.weight * weight;
-        if (radiance != vec3(0.0)) {
-            e.rays += 1u;
-            if (vertex_sees(v, light)) contribute(e, path.depth + 2u, radiance);
-        }
+        float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi));
+        vec3 radiance = path.throughput * vertex_eval(v, b, wi, light.wi) * light.weight * weight;
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
     }
 
     // 3. The next direction.
-    path_scatter(path, v, bsdf_sample(m, v.wo, bsdf_u.xyz));
+    path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));
 
     // 4. Russian roulette: survive with the probability that the path still matters, which keeps throughputs near one. A
     // constant limit below one would make them grow without bound where nearly all light is reflected. Radiance that is

@@ -13,13 +13,13 @@ const uint FIXED_LENGTH = 8u; // of the biased form, where the scene gives no li
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    bool found = trace_closest(path.ray, hit);
-    e.rays += 1u;
+    bool found = path_trace(path, hit, e);
     if (!found) {
         if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
         return false;
     }
     Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
 
     // 1. Emission that the path has run into.
     vec3 emission = vertex_emission(v, path.ray);
@@ -32,9 +32,9 @@ bool path_extend(inout Path path, inout Estimate e) {
     }
 
     // 2. The next direction.
-    Material m = vertex_material(v);
+    Bsdf b = vertex_material(v, path.ray, path.random);
     vec4 u = next4(path.random);
-    path_scatter(path, v, bsdf_sample(m, v.wo, u.xyz));
+    path_scatter(path, v, b, vertex_sample(v, b, path.ray, u.xyz));
     if (path.throughput == vec3(0.0)) return false;
 
     // 3. Russian roulette with a constant probability of ending.

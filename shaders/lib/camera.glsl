@@ -1,4 +1,5 @@
-// The pinhole camera and the pixel filter.
+// The cameras and the pixel filter.
+#include "lib/sampling.glsl"
 
 // The filter's value at a distance from the pixel's centre, up to a constant factor; the same formulas as
 // `Filter::value` in src/scene/filter.rs.
@@ -25,8 +26,16 @@ float filter_offset(float u, inout float weight) {
     return x;
 }
 
-// The ray through the image at `position`, in pixels from the upper left corner.
-Ray camera_ray(vec2 position) {
+// The ray through the image at `position`, in pixels from the upper left corner; `u` chooses the point on a lens.
+Ray camera_ray(vec2 position, vec2 u) {
     vec3 d = scene.camera_corner + position.x * scene.camera_dx + position.y * scene.camera_dy;
+    if (CAMERA == CAMERA_THIN_LENS) {
+        // Every ray of a pixel meets the plane of focus in the same point.
+        vec2 lens = sample_disk(u);
+        vec3 shift = lens.x * scene.lens_x + lens.y * scene.lens_y;
+        return Ray(scene.camera_origin + shift, normalize(scene.focus * d - shift), INFINITY);
+    }
+    if (CAMERA == CAMERA_ORTHOGRAPHIC)
+        return Ray(scene.camera_origin + position.x * scene.lens_x + position.y * scene.lens_y, scene.camera_corner, INFINITY);
     return Ray(scene.camera_origin, normalize(d), INFINITY);
 }

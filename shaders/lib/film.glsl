@@ -56,16 +56,19 @@ Ray sample_open(inout Pixel pixel, inout Estimate e, out Sampler random) {
     if (LENGTH_LAYERS > 0u) {
         for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] = vec3(0.0);
     }
-    return camera_ray(vec2(pixel.xy) + 0.5 + offset);
+    return camera_ray(vec2(pixel.xy) + 0.5 + offset, u.zw);
 }
 
-// (sum, low) += x without losing what the sum is too coarse to hold (Knuth, The Art of Computer Programming 2, 4.2.2).
+// (sum, low) += x without losing what the sum is too coarse to hold (Knuth, The Art of Computer Programming 2, 4.2.2). The
+// low part is folded back each time: left to grow it would itself become too coarse for what it takes in.
 void add_compensated(inout vec3 sum, inout vec3 low, vec3 x) {
     precise vec3 total = sum + x;
     precise vec3 back = total - sum;
-    precise vec3 lost = (sum - (total - back)) + (x - back);
-    low += lost;
-    sum = total;
+    precise vec3 lost = low + ((sum - (total - back)) + (x - back));
+    precise vec3 folded = total + lost;
+    precise vec3 left = lost - (folded - total);
+    low = left;
+    sum = folded;
 }
 
 // Ends the pixel's sample: adds it to the sums, or, if it is not finite, drops, counts and locates it.

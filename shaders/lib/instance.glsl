@@ -3,6 +3,7 @@
 vec3 rows_times(vec4 row0, vec4 row1, vec4 row2, vec4 v) { return vec3(dot(row0, v), dot(row1, v), dot(row2, v)); }
 
 vec3 world_point(Instance i, vec3 p) { return rows_times(i.world0, i.world1, i.world2, vec4(p, 1.0)); }
+vec3 world_vector(Instance i, vec3 v) { return rows_times(i.world0, i.world1, i.world2, vec4(v, 0.0)); }
 vec3 object_point(Instance i, vec3 p) { return rows_times(i.object0, i.object1, i.object2, vec4(p, 1.0)); }
 vec3 object_vector(Instance i, vec3 v) { return rows_times(i.object0, i.object1, i.object2, vec4(v, 0.0)); }
 

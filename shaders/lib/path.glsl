@@ -1,14 +1,17 @@
 // What the integrators that follow paths from the camera share: a path between two of its vertices, and one vertex.
 #include "lib/film.glsl"
 #include "lib/interaction.glsl"
+#include "lib/visibility.glsl"
 #include "materials/bsdf.glsl"
 #include "lights/light.glsl"
 
 // A path from the camera, on its way from one vertex to the next.
 struct Path {
     Ray ray;
+    vec3 from;       // where the ray left the last vertex that scattered
     Sampler random;
     vec3 throughput; // product of f |cos| / pdf so far
+    vec3 absorption; // of the medium that the ray is in, 1/m
     float pdf_w;     // with which the last vertex chose the ray's direction
     bool delta;      // that vertex chose it by a delta lobe, or is the camera: no other technique can
     uint depth;      // vertices so far that scattered: the next hit ends a path of depth + 1 segments
@@ -18,13 +21,18 @@ struct Path {
 Path path_begin(inout Pixel pixel, inout Estimate e) {
     Path path;
     path.ray = sample_open(pixel, e, path.random);
+    path.from = path.ray.origin;
     path.throughput = vec3(1.0);
+    path.absorption = vec3(0.0);
     path.pdf_w = 1.0;
     path.delta = true;
     path.depth = 0u;
     path.eta = 1.0;
     return path;
 }
+
+// Follows the path to its next vertex; false where it leaves the scene.
+bool path_trace(inout Path path, out Hit hit, inout Estimate e) { return trace_visible(path.ray, hit, path.random, e.rays); }
 
 // A surface point in its local shading frame, on the side that the path came from.
 struct Vertex {
@@ -35,6 +43,7 @@ struct Vertex {
     float turned;      // -1 where the frame is turned round to face a path that came to the back
     uint material;     // NONE reflects nothing
     bool front;        // the path came to the front of the surface, by the shading normal
+    bool mapped;       // a normal or bump map tilts the frame off the shading normal
 };
 
 Vertex vertex_at(Ray ray, Hit hit) {
@@ -46,18 +55,25 @@ Vertex vertex_at(Ray ray, Hit hit) {
     v.front = v.wo.z > 0.0;
     v.material = v.front || !HAS_BACK_MATERIALS ? v.surface.front : v.surface.back;
     v.turned = 1.0;
+    v.mapped = false;
     if (!HAS_BACK_MATERIALS && !v.front || v.wo.z == 0.0) v.material = NONE;
     return v;
 }
 
+#include "lib/shading_frame.glsl"
+
 // The vertex's material; turns the frame round where the path came to the back of something that reflects only.
-Material vertex_material(inout Vertex v) {
-    Material m = load_material(v.material);
-    if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(m)) {
+Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
+    Bsdf b = bsdf_at(v.material, v.at.uv, v.at.colour, random);
+    if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
+        v.frame = shading_frame(v.at, b.m, v.mapped);
+        v.wo = to_local(v.frame, -ray.direction);
+    }
+    if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(b)) {
         v.wo.z = -v.wo.z;
         v.turned = -1.0;
     }
-    return m;
+    return b;
 }
 
 vec3 vertex_to_world(Vertex v, vec3 w) { return to_world(v.frame, vec3(w.xy, w.z * v.turned)); }
@@ -65,6 +81,20 @@ vec3 vertex_to_world(Vertex v, vec3 w) { return to_world(v.frame, vec3(w.xy, w.z
 vec3 vertex_to_local(Vertex v, vec3 w) {
     vec3 local = to_local(v.frame, w);
     return vec3(local.xy, local.z * v.turned);
+}
+
+// A tilted frame calls directions above the surface that are below it and the other way round; neither carries light, or it
+// would leak through.
+bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return !v.mapped || local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
+
+vec3 vertex_eval(Vertex v, Bsdf b, vec3 local, vec3 world) {
+    return vertex_is_sound(v, local, world) ? bsdf_eval(b, v.wo, local) : vec3(0.0);
+}
+
+BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
+    BsdfSample s = bsdf_sample(b, v.wo, u);
+    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, s.wi, vertex_to_world(v, s.wi)))) s.weight = vec3(0.0);
+    return s;
 }
 
 // The ray that leaves the vertex in the world direction w.
@@ -84,17 +114,30 @@ Ray vertex_shadow_ray(Vertex v, LightSample light) {
     return ray;
 }
 
-// Whether the light sample is seen from the vertex.
-bool vertex_sees(Vertex v, LightSample light) { return !trace_any(vertex_shadow_ray(v, light)); }
+// Share of the light sample that reaches the vertex of a path in a medium of this absorption.
+vec3 vertex_transmittance(Vertex v, LightSample light, vec3 absorption, inout uint rays) {
+    Ray ray = vertex_shadow_ray(v, light);
+    float through = trace_transmittance(ray, rays);
+    if (!HAS_ABSORPTION || absorption == vec3(0.0)) return vec3(through);
+    return light.distant ? vec3(0.0) : through * exp(-absorption * ray.t_max);
+}
+
+// Takes away what the medium absorbed on the way to the vertex.
+void path_absorb(inout Path path, Vertex v) {
+    if (HAS_ABSORPTION) path.throughput *= exp(-path.absorption * distance(path.from, v.at.position));
+}
 
 // Goes on in the direction that the BSDF chose.
-void path_scatter(inout Path path, Vertex v, BsdfSample s) {
+void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.throughput *= s.weight;
     path.pdf_w = s.pdf_w;
     path.delta = s.delta;
     path.eta *= s.eta;
     path.depth += 1u;
     path.ray = vertex_ray(v, vertex_to_world(v, s.wi));
+    path.from = path.ray.origin;
+    if (HAS_ABSORPTION && (b.m.flags & MATERIAL_HAS_ABSORPTION) != 0u && s.wi.z * v.wo.z < 0.0)
+        path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }
 
 #include "lib/emission.glsl"

@@ -30,9 +30,18 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Qu
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triples { Corners at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors { vec3 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors2 { vec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors4 { vec4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Surfaces { Surface at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Materials { Material at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Lights { Light at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureSets { MaterialTextures at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Blends { Blend at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Plastics { Plastic at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Principleds { Principled at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Layereds { Layered at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Textures { Texture at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasTable { AliasEntry at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Instances { Instance at[]; };
 
 // Distances begin at 0: whoever starts a ray on a surface moves its origin off that surface.
@@ -82,6 +91,9 @@ Surface load_surface(uint index) { TABLE_ENTRY(Surface, SURFACE_COUNT, UNIFORM_S
 Material load_material(uint index) { TABLE_ENTRY(Material, MATERIAL_COUNT, UNIFORM_MATERIALS, uniform_materials, Materials(scene.materials).at[index]) }
 Light load_light(uint index) { TABLE_ENTRY(Light, LIGHT_COUNT, UNIFORM_LIGHTS, uniform_lights, Lights(scene.lights).at[index]) }
 Instance load_instance(uint index) { return Instances(scene.instances).at[index]; }
+
+// Entries of the light table: compiled in, or, in a kernel that models everything, read.
+uint light_count() { return LIGHT_COUNT == NONE ? scene.light_count : LIGHT_COUNT; }
 
 bool is_sphere(Primitive primitive) { return HAS_SPHERES && (primitive.surface & SPHERE_BIT) != 0u; }
 

@@ -1,10 +1,51 @@
-// A background of constant radiance, sampled uniformly over the sphere of directions.
+// The background: one radiance in all directions, sampled uniformly over the sphere, or an image of them in latitude and
+// longitude, sampled by the luminance of its cells.
 
-LightSample background_sample(vec2 u) {
-    float pdf_w = scene.background_probability / (4.0 * PI);
-    return LightSample(sample_sphere(u), vec3(0.0), scene.background / pdf_w, pdf_w, false, true);
+// Texture coordinates of a direction and back: u runs around the up axis (+y of the background's space) from -z towards +x,
+// v down from it.
+vec2 background_uv(vec3 direction) {
+    vec3 d = vec3(dot(scene.background_x, direction), dot(scene.background_y, direction), dot(scene.background_z, direction));
+    float u = atan(d.x, -d.z) * (0.5 * INV_PI);
+    return vec2(u < 0.0 ? u + 1.0 : u, acos(clamp(d.y, -1.0, 1.0)) * INV_PI);
 }
 
-vec3 background_radiance(vec3 direction) { return scene.background; }
+vec3 background_direction(vec2 uv) {
+    float theta = uv.y * PI, phi = uv.x * 2.0 * PI;
+    vec3 d = vec3(sin(phi) * sin(theta), cos(theta), -cos(phi) * sin(theta));
+    return d.x * scene.background_x + d.y * scene.background_y + d.z * scene.background_z;
+}
 
-float background_pdf(vec3 direction) { return scene.background_probability / (4.0 * PI); }
+bool has_environment() { return HAS_ENVIRONMENT && scene.background_texture != NONE; }
+
+vec3 background_radiance(vec3 direction) {
+    if (!has_environment()) return scene.background;
+    return scene.background * texture_value(load_texture(scene.background_texture), background_uv(direction)).rgb;
+}
+
+// Density over solid angle of a place in the image, whose cells are uniform in texture coordinates: those stretch by
+// 2 pi^2 sin(theta).
+float background_density(uint cell, vec2 uv) {
+    return AliasTable(scene.background_table).at[cell].density / (2.0 * PI * PI * max(sin(uv.y * PI), 1e-12));
+}
+
+float background_pdf(vec3 direction) {
+    if (!has_environment()) return scene.background_probability / (4.0 * PI);
+    vec2 uv = background_uv(direction);
+    uvec2 cell = min(uvec2(uv * vec2(scene.background_cells)), scene.background_cells - 1u);
+    return scene.background_probability * background_density(cell.y * scene.background_cells.x + cell.x, uv);
+}
+
+LightSample background_sample(vec4 u) {
+    if (!has_environment()) {
+        float pdf_w = scene.background_probability / (4.0 * PI);
+        return LightSample(sample_sphere(u.zw), vec3(0.0), scene.background / pdf_w, pdf_w, false, true);
+    }
+    uint count = scene.background_cells.x * scene.background_cells.y;
+    uint cell = min(uint(u.x * float(count)), count - 1u);
+    AliasEntry drawn = AliasTable(scene.background_table).at[cell];
+    if (u.y >= drawn.keep) cell = drawn.alias;
+    vec2 uv = (vec2(cell % scene.background_cells.x, cell / scene.background_cells.x) + u.zw) / vec2(scene.background_cells);
+    vec3 wi = background_direction(uv);
+    float pdf_w = scene.background_probability * background_density(cell, uv);
+    return LightSample(wi, vec3(0.0), pdf_w > 0.0 ? background_radiance(wi) / pdf_w : vec3(0.0), pdf_w, false, true);
+}

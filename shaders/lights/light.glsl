@@ -1,6 +1,7 @@
 // The one place that knows all lights: choosing one, sampling it as seen from a point, and the density of that when a
 // path hits a light by itself.
 #include "lib/sampling.glsl"
+#include "lib/texture.glsl"
 
 struct LightSample {
     vec3 wi;      // unit direction from the reference point to the light
@@ -13,23 +14,39 @@ struct LightSample {
 
 LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false); }
 
+// What the textures of a surface leave of its emission: what it lets through, it does not emit.
+vec3 emission_factor(Surface surface, vec2 uv) {
+    float opacity = surface_opacity(surface, uv);
+    return surface.emission_texture == NONE ? vec3(opacity) : opacity * texture_at(surface.emission_texture, uv).rgb;
+}
+
+// A world direction in the light's own frame, whose +z is its axis.
+vec3 light_space(Light light, vec3 w) {
+    Floats f = Floats(scene.tables);
+    uint i = light.corners.x;
+    return vec3(dot(w, vec3(f.at[i], f.at[i + 1u], f.at[i + 2u])), dot(w, vec3(f.at[i + 3u], f.at[i + 4u], f.at[i + 5u])),
+                dot(w, vec3(f.at[i + 6u], f.at[i + 7u], f.at[i + 8u])));
+}
+
 #include "lights/triangle.glsl"
 #include "lights/sphere.glsl"
 #include "lights/point.glsl"
 #include "lights/spot.glsl"
+#include "lights/projector.glsl"
 #include "lights/directional.glsl"
 #include "lights/background.glsl"
 
 // A sample of one light, chosen from the alias table (or the background) by u.xy, then sampled by u.zw.
 LightSample light_sample(vec3 p, vec4 u) {
     if (HAS_BACKGROUND) {
-        if (u.x < scene.background_probability) return background_sample(u.zw);
+        if (u.x < scene.background_probability) return background_sample(vec4(u.x / scene.background_probability, u.yzw));
         u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
     }
-    if (LIGHT_COUNT == 0u) return no_light();
+    uint count = light_count();
+    if (count == 0u) return no_light();
     uint index = 0u;
-    if (LIGHT_COUNT > 1u) {
-        index = min(uint(u.x * float(LIGHT_COUNT)), LIGHT_COUNT - 1u);
+    if (count > 1u) {
+        index = min(uint(u.x * float(count)), count - 1u);
         Light drawn = load_light(index);
         if (u.y >= drawn.keep) index = drawn.alias;
     }
@@ -39,11 +56,12 @@ LightSample light_sample(vec3 p, vec4 u) {
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
     if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
     if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
+    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) s = projector_light_sample(light, p);
     if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light);
     return s;
 }
 
-// Density over solid angle at `p` with which light_sample picks the emitting point that a ray from there hit.
+// Density over solid angle at `p` with which light_sample picks the emitting point that a ray from there in this direction hit.
 float light_pdf(vec3 p, Ray ray, Hit hit, Interaction at, Surface surface) {
     if (HAS_SPHERE_LIGHTS) {
         Primitive primitive = load_primitive(hit.primitive);

@@ -7,6 +7,13 @@ float sphere_cone(float radius2, float distance2) {
     return sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2)));
 }
 
+// What textures leave of the radiance at a point of the sphere.
+vec3 sphere_light_factor(Light light, vec3 outward) {
+    Interaction at;
+    sphere_uv(Primitive(light.position, light.v1, light.v2, SPHERE_BIT), outward, at);
+    return emission_factor(load_surface(light.source), at.uv);
+}
+
 LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     float radius = light.v1.x;
     float radius2 = radius * radius;
@@ -31,6 +38,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
         pdf_w = light.probability / (2.0 * PI * cone);
         position = light.position + abs(radius) * outward;
         lit = distance2 > radius2;
+        if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
         return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
                            lit ? pdf_w : 0.0, false, false);
     }
@@ -42,6 +50,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     float cos_light = dot(wi, outward);
     pdf_w = light.probability * d2 / (4.0 * PI * radius2 * cos_light);
     lit = cos_light > 0.0 && d2 > 0.0;
+    if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
     return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
                        lit ? pdf_w : 0.0, false, false);
 }

@@ -1,5 +1,5 @@
 // A point with a cone: full intensity within the beam width, falling linearly with the angle to zero at the cut-off,
-// which is what Mitsuba's `spot` means.
+// which is what Mitsuba's `spot` means. A texture spans the cut-off cone.
 
 LightSample spot_light_sample(Light light, vec3 p) {
     vec3 d = light.position - p;
@@ -9,5 +9,10 @@ LightSample spot_light_sample(Light light, vec3 p) {
     float beam = light.v2.y;
     float angle = acos(clamp(-dot(wi, light.v1), -1.0, 1.0));
     float falloff = angle <= beam ? 1.0 : clamp((cutoff - angle) / (cutoff - beam), 0.0, 1.0);
+    if (HAS_PROJECTORS && light.source != NONE) {
+        vec3 local = light_space(light, -wi);
+        vec2 uv = 0.5 + 0.5 * local.xy / (local.z * tan(cutoff));
+        light.radiance *= local.z > 0.0 ? texture_at(light.source, uv).rgb : vec3(0.0);
+    }
     return LightSample(wi, light.position, light.radiance * (falloff / (light.probability * distance2)), 1.0, true, false);
 }

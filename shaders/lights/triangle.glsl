@@ -14,6 +14,11 @@ LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {
     // area to solid angle: pdf_w = pdf_a d^2 / cos (Veach 1997, section 8.2.2.2)
     float pdf_w = light.probability * distance2 / (0.5 * area2 * cos_light);
     bool lit = cos_light > 0.0 && distance2 > 0.0;
+    if (HAS_TEXTURED_LIGHTS) {
+        Vectors2 uvs = Vectors2(scene.uvs);
+        vec2 uv = light.corners.x == NONE ? b : (1.0 - b.x - b.y) * uvs.at[light.corners.x] + b.x * uvs.at[light.corners.y] + b.y * uvs.at[light.corners.z];
+        light.radiance *= emission_factor(load_surface(light.source), uv);
+    }
     return LightSample(wi, offset_origin(position, margin_on_triangle(normal, v0, v1, v2, position), normal, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
                        lit ? pdf_w : 0.0, false, false);
 }

@@ -2,6 +2,8 @@
 // frame: wo towards where light goes in the end (the previous vertex of a camera path), wi towards where it comes from.
 #include "lib/frame.glsl"
 #include "lib/sampling.glsl"
+#include "lib/rng.glsl"
+#include "lib/texture.glsl"
 #include "lib/fresnel.glsl"
 
 struct BsdfSample {
@@ -12,50 +14,122 @@ struct BsdfSample {
     float eta;    // index ratio that a refraction crossed, 1 otherwise
 };
 
-bool is_correlated(Material m) { return (m.flags & MASKING_CORRELATED) != 0u; }
-
 #include "lib/microfacet.glsl"
 #include "materials/diffuse.glsl"
 #include "materials/conductor.glsl"
 #include "materials/rough_conductor.glsl"
 #include "materials/dielectric.glsl"
+#include "materials/thin_dielectric.glsl"
 #include "materials/rough_dielectric.glsl"
+#include "materials/plastic.glsl"
+#include "materials/rough_plastic.glsl"
+#include "materials/principled.glsl"
+#include "materials/layered.glsl"
+
+// A material at a point: its parameters with its textures looked up.
+struct Bsdf {
+    Material m;
+    Plastic plastic;
+    Principled principled;
+    Layered layered;
+};
+
+bool is_kind(Bsdf b, bool present, uint kind) { return present && b.m.kind == kind; }
+
+// The material at texture coordinates. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
+// mean, and no lobe of either needs to know the other.
+Bsdf bsdf_at(uint material, vec2 uv, vec4 colour, inout Sampler random) {
+    Bsdf b;
+    b.m = load_material(material);
+    if (HAS_BLENDS) {
+        while (b.m.kind == MATERIAL_BLEND) {
+            Blend blend = Blends(scene.blends).at[b.m.detail];
+            float weight = clamp(blend.weight * texture_scalar(blend.weight_texture, uv), 0.0, 1.0);
+            b.m = load_material(next4(random).x < weight ? blend.second : blend.first);
+        }
+    }
+    if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) {
+        if (b.m.kind == MATERIAL_PLASTIC || b.m.kind == MATERIAL_ROUGH_PLASTIC) b.plastic = Plastics(scene.plastics).at[b.m.detail];
+    }
+    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) b.principled = Principleds(scene.principleds).at[b.m.detail];
+    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) b.layered = Layereds(scene.layereds).at[b.m.detail];
+    if (HAS_COLOURS && (b.m.flags & MATERIAL_HAS_COLOURS) != 0u) b.m.reflectance *= colour.rgb;
+    if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
+
+    MaterialTextures t = TextureSets(scene.material_textures).at[b.m.textures];
+    b.m.reflectance *= texture_at(t.reflectance, uv).rgb;
+    if (t.transmittance != NONE) {
+        vec3 tint = texture_at(t.transmittance, uv).rgb;
+        b.m.transmittance *= tint;
+        if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) b.plastic.specular *= tint;
+    }
+    if (t.roughness != NONE) {
+        float factor = texture_scalar(t.roughness, uv);
+        bool perceptual = b.m.kind == MATERIAL_PRINCIPLED || b.m.kind == MATERIAL_LAYERED;
+        b.m.alpha_u = max(b.m.alpha_u * factor, perceptual ? 0.0 : 1e-4);
+        b.m.alpha_v = max(b.m.alpha_v * factor, perceptual ? 0.0 : 1e-4);
+    }
+    if (HAS_PRINCIPLED && t.metallic != NONE) b.principled.metallic *= texture_scalar(t.metallic, uv);
+    if (HAS_LAYERED && b.m.kind == MATERIAL_LAYERED) {
+        b.layered.metallic *= texture_scalar(t.metallic, uv);
+        b.layered.specular *= texture_scalar(b.layered.specular_texture, uv);
+        b.layered.specular_colour *= texture_at(b.layered.specular_colour_texture, uv).rgb;
+        b.layered.transmission *= texture_scalar(b.layered.transmission_texture, uv);
+        b.layered.clearcoat *= texture_scalar(b.layered.clearcoat_texture, uv);
+        b.layered.clearcoat_roughness *= texture_scalar(b.layered.clearcoat_roughness_texture, uv);
+        b.layered.sheen_colour *= texture_at(b.layered.sheen_colour_texture, uv).rgb;
+        b.layered.sheen_roughness *= texture_scalar(b.layered.sheen_roughness_texture, uv);
+    }
+    return b;
+}
 
 // Every lobe is a delta: light sampling cannot hit it.
-bool bsdf_is_delta(Material m) {
-    return HAS_CONDUCTOR && m.kind == MATERIAL_CONDUCTOR || HAS_DIELECTRIC && m.kind == MATERIAL_DIELECTRIC;
+bool bsdf_is_delta(Bsdf b) {
+    return is_kind(b, HAS_CONDUCTOR, MATERIAL_CONDUCTOR) || is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC) ||
+           is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC);
 }
 
 // Some lobe passes light through: its frame is never turned round.
-bool bsdf_transmits(Material m) {
-    return HAS_DIELECTRIC && m.kind == MATERIAL_DIELECTRIC || HAS_ROUGH_DIELECTRIC && m.kind == MATERIAL_ROUGH_DIELECTRIC;
-}
+bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 0u; }
 
 // A direction for the given uniform numbers; weight and density include the choice of the lobe.
-BsdfSample bsdf_sample(Material m, vec3 wo, vec3 u) {
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, false, 1.0);
-    if (HAS_DIFFUSE && m.kind == MATERIAL_DIFFUSE) s = diffuse_sample(m, wo, u);
-    if (HAS_CONDUCTOR && m.kind == MATERIAL_CONDUCTOR) s = conductor_sample(m, wo, u);
-    if (HAS_ROUGH_CONDUCTOR && m.kind == MATERIAL_ROUGH_CONDUCTOR) s = rough_conductor_sample(m, wo, u);
-    if (HAS_DIELECTRIC && m.kind == MATERIAL_DIELECTRIC) s = dielectric_sample(m, wo, u);
-    if (HAS_ROUGH_DIELECTRIC && m.kind == MATERIAL_ROUGH_DIELECTRIC) s = rough_dielectric_sample(m, wo, u);
+    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) s = diffuse_sample(b.m, wo, u);
+    if (is_kind(b, HAS_CONDUCTOR, MATERIAL_CONDUCTOR)) s = conductor_sample(b.m, wo, u);
+    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) s = rough_conductor_sample(b.m, wo, u);
+    if (is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC)) s = dielectric_sample(b.m, wo, u);
+    if (is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC)) s = thin_dielectric_sample(b.m, wo, u);
+    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) s = rough_dielectric_sample(b.m, wo, u);
+    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) s = plastic_sample(b.m, b.plastic, wo, u);
+    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) s = rough_plastic_sample(b.m, b.plastic, wo, u);
+    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) s = principled_sample(b.m, b.principled, wo, u);
+    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) s = layered_sample(b.m, b.layered, wo, u);
     return s;
 }
 
 // f |cos_i| of the non-delta lobes.
-vec3 bsdf_eval(Material m, vec3 wo, vec3 wi) {
+vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
     vec3 f = vec3(0.0);
-    if (HAS_DIFFUSE && m.kind == MATERIAL_DIFFUSE) f = diffuse_eval(m, wo, wi);
-    if (HAS_ROUGH_CONDUCTOR && m.kind == MATERIAL_ROUGH_CONDUCTOR) f = rough_conductor_eval(m, wo, wi);
-    if (HAS_ROUGH_DIELECTRIC && m.kind == MATERIAL_ROUGH_DIELECTRIC) f = rough_dielectric_eval(m, wo, wi);
+    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) f = diffuse_eval(b.m, wo, wi);
+    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) f = rough_conductor_eval(b.m, wo, wi);
+    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) f = rough_dielectric_eval(b.m, wo, wi);
+    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) f = plastic_eval(b.m, b.plastic, wo, wi);
+    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) f = rough_plastic_eval(b.m, b.plastic, wo, wi);
+    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) f = principled_eval(b.m, b.principled, wo, wi);
+    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) f = layered_eval(b.m, b.layered, wo, wi);
     return f;
 }
 
 // Density over solid angle with which bsdf_sample picks wi, of the non-delta lobes.
-float bsdf_pdf(Material m, vec3 wo, vec3 wi) {
+float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
     float pdf = 0.0;
-    if (HAS_DIFFUSE && m.kind == MATERIAL_DIFFUSE) pdf = diffuse_pdf(m, wo, wi);
-    if (HAS_ROUGH_CONDUCTOR && m.kind == MATERIAL_ROUGH_CONDUCTOR) pdf = rough_conductor_pdf(m, wo, wi);
-    if (HAS_ROUGH_DIELECTRIC && m.kind == MATERIAL_ROUGH_DIELECTRIC) pdf = rough_dielectric_pdf(m, wo, wi);
+    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) pdf = diffuse_pdf(b.m, wo, wi);
+    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) pdf = rough_conductor_pdf(b.m, wo, wi);
+    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) pdf = rough_dielectric_pdf(b.m, wo, wi);
+    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) pdf = plastic_pdf(b.m, b.plastic, wo, wi);
+    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) pdf = rough_plastic_pdf(b.m, b.plastic, wo, wi);
+    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) pdf = principled_pdf(b.m, b.principled, wo, wi);
+    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) pdf = layered_pdf(b.m, b.layered, wo, wi);
     return pdf;
 }

@@ -32,40 +32,36 @@ Microfacet rough_dielectric_facet(Material m, vec3 wo, vec3 wi) {
 }
 
 BsdfSample rough_dielectric_sample(Material m, vec3 wo, vec3 u) {
-    vec2 alpha = vec2(m.alpha_u, m.alpha_v);
     float side = wo.z > 0.0 ? 1.0 : -1.0;
     float eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
-    vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
+    vec3 up = microfacet_sample(m, side * wo, u.xy);
+    vec3 h = up * side;
     float cos_h = dot(wo, h);
     float cos_t;
     float f = fresnel_dielectric(cos_h, eta, cos_t);
-    float normal_pdf = ggx_visible_pdf(side * wo, side * h, alpha);
     bool reflected = u.z < f;
     vec3 wi = reflected ? reflect(-wo, h) : -wo / eta + h * (cos_h / eta - cos_t);
     float wi_h = dot(wi, h);
     float jacobian = reflected ? 1.0 / (4.0 * cos_h) : eta * eta * abs(wi_h) / ((cos_h + eta * wi_h) * (cos_h + eta * wi_h));
-    float masking = ggx_g2(wo, wi, alpha, is_correlated(m)) / ggx_g1(wo, alpha);
     vec3 tint = reflected ? m.reflectance : m.transmittance / (eta * eta);
     bool valid = cos_h > 0.0 && (reflected ? wi.z * wo.z > 0.0 : wi.z * wo.z < 0.0);
-    float pdf = normal_pdf * jacobian * (reflected ? f : 1.0 - f);
-    return BsdfSample(wi, valid ? tint * masking : vec3(0.0), valid ? pdf : 0.0, false, reflected ? 1.0 : eta);
+    float pdf = microfacet_pdf(m, side * wo, up) * jacobian * (reflected ? f : 1.0 - f);
+    return BsdfSample(wi, valid ? tint * microfacet_weight(m, wo, wi, up) : vec3(0.0), valid ? pdf : 0.0, false, reflected ? 1.0 : eta);
 }
 
 vec3 rough_dielectric_eval(Material m, vec3 wo, vec3 wi) {
-    vec2 alpha = vec2(m.alpha_u, m.alpha_v);
     Microfacet f = rough_dielectric_facet(m, wo, wi);
     if (!f.valid) return vec3(0.0);
-    float visible = ggx_d(f.normal, alpha) * ggx_g2(wo, wi, alpha, is_correlated(m));
+    float visible = microfacet_d(m, f.normal) * microfacet_g2(m, wo, wi);
     if (f.reflected) return m.reflectance * (f.fresnel * visible / (4.0 * abs(wo.z)));
     float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.near;
     return m.transmittance * ((1.0 - f.fresnel) * visible * abs(f.wo_h * f.wi_h / (wo.z * denominator * denominator)));
 }
 
 float rough_dielectric_pdf(Material m, vec3 wo, vec3 wi) {
-    vec2 alpha = vec2(m.alpha_u, m.alpha_v);
     Microfacet f = rough_dielectric_facet(m, wo, wi);
     if (!f.valid) return 0.0;
-    float normal_pdf = ggx_visible_pdf(wo.z > 0.0 ? wo : -wo, f.normal, alpha);
+    float normal_pdf = microfacet_pdf(m, wo.z > 0.0 ? wo : -wo, f.normal);
     if (f.reflected) return f.fresnel * normal_pdf / (4.0 * abs(f.wo_h));
     float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.far;
     return (1.0 - f.fresnel) * normal_pdf * abs(f.wi_h) / (denominator * denominator);

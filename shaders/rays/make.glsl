@@ -19,7 +19,8 @@ void main() {
     if (slot >= frame.slot_count) return;
     Pixel pixel = pixel_open(slot);
     Sampler random = Sampler(slot, 0u, 0u, frame.seed);
-    Ray ray = pixel.inside ? camera_ray(vec2(pixel.xy) + next4(random).xy) : NO_RAY;
+    vec4 camera_u = next4(random);
+    Ray ray = pixel.inside ? camera_ray(vec2(pixel.xy) + camera_u.xy, camera_u.zw) : NO_RAY;
     RayRecords records = RayRecords(frame.lengths);
     records.at[slot] = record(ray);
     for (uint bounce = 0u; bounce < RAY_BOUNCES; bounce++) {

@@ -36,6 +36,8 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
         scene.lights.len(),
         if needs.background { "yes" } else { "no" }
     ));
-    print(&format!("needs      {}", needs.describe().join(", ")));
+    let (used, left_out) = needs.describe();
+    print(&format!("needs      {}", used.join(", ")));
+    print(&format!("left out   {}", left_out.join(", ")));
     Ok(())
 }

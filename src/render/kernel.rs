@@ -8,7 +8,7 @@ use crate::backend::Backend;
 use crate::error::Result;
 use crate::gpu::{Bindings, DeviceKind, Gpu, Pipeline};
 use crate::layout::{INLINE_FIRST_ID, NONE, Specialisation};
-use crate::scene::{Needs, Scene};
+use crate::scene::Scene;
 
 /// A pipeline, specialised to a scene, and the scene on the device.
 pub(super) struct Kernel {
@@ -47,7 +47,8 @@ impl Kernel {
             param3,
             ..Specialisation::default()
         };
-        Needs::of(scene).specialise(&mut special);
+        settings.needs(scene).specialise(&mut special);
+        special.camera = settings.image_plane(scene)?.kind;
         let mut constants = special.words();
         let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
         constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));

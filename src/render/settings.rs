@@ -3,7 +3,8 @@
 use crate::backend::Backend;
 use crate::error::{Error, Result, one_of};
 use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
-use crate::scene::{Filter, Scene};
+use crate::scene::camera::ImagePlane;
+use crate::scene::{Filter, Needs, Scene};
 
 /// A row of the table with values for its parameters.
 #[derive(Clone, Debug)]
@@ -126,6 +127,8 @@ pub struct Settings {
     pub seed: u32,
     /// Layers by path length; 0 for none. The last one also takes every longer path.
     pub lengths: u32,
+    /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
+    pub specialise: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
 }
@@ -144,8 +147,19 @@ impl Settings {
             max_depth: scene.technique.max_depth.unwrap_or(None),
             seed: 0,
             lengths: 0,
+            specialise: true,
             expected_samples: u64::MAX,
         }
+    }
+
+    /// What the kernel models.
+    pub(super) fn needs(&self, scene: &Scene) -> Needs {
+        if self.specialise { Needs::of(scene) } else { Needs::everything() }
+    }
+
+    /// The rays of the image.
+    pub(super) fn image_plane(&self, scene: &Scene) -> Result<ImagePlane> {
+        Ok(scene.camera(self.camera.as_deref())?.image_plane(self.width, self.height))
     }
 
     pub(super) fn check(&self) -> Result<()> {

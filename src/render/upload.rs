@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    self, Corners, INLINE_MAX, NODE_BYTES, Primitive, SPHERE_BIT, SceneUniforms, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
-    UNIFORM_SURFACES, address,
+    self, Corners, INLINE_MAX, NODE_BYTES, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS,
+    UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
 use crate::scene::{Filter, Needs, Scene};
 
@@ -46,8 +46,9 @@ struct Built {
 
 impl Uploaded {
     pub(super) fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
-        let needs = Needs::of(scene);
+        let needs = settings.needs(scene);
         let inline_fits = settings.backend == Backend::Bvh
+            && settings.specialise
             && !needs.instances
             && !needs.spheres
             && scene.primitives.len() <= INLINE_MAX as usize
@@ -73,22 +74,58 @@ impl Uploaded {
             buffers.push((name, buffer));
             Ok(place)
         };
+        let mut images = Vec::new();
+        for image in &scene.images {
+            images.push(upload("images", image.bytes())?);
+        }
+        let mut textures = scene.textures.clone();
+        for texture in textures.iter_mut().filter(|texture| texture.kind == TEXTURE_IMAGE) {
+            texture.texels = images[texture.texels[0] as usize];
+        }
+        let rotation = scene.environment.as_ref().map_or([[0.0; 3]; 3], |environment| environment.from_world);
         let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
-        let plane = scene.camera(settings.camera.as_deref())?.image_plane(settings.width, settings.height);
+        let plane = settings.image_plane(scene)?;
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let uniforms = SceneUniforms {
             camera_origin: vector(plane.origin),
             camera_corner: vector(plane.corner),
             camera_dx: vector(plane.dx),
             camera_dy: vector(plane.dy),
+            lens_x: vector(plane.lens_x),
+            lens_y: vector(plane.lens_y),
+            focus: plane.focus as f32,
             background: scene.background.unwrap_or_default(),
+            background_texture: scene.environment.as_ref().map_or(NONE, |environment| environment.texture),
+            background_x: rotation[0],
+            background_y: rotation[1],
+            background_z: rotation[2],
+            background_cells: scene.environment.as_ref().map_or([0; 2], |environment| environment.cells),
+            background_table: match &scene.environment {
+                Some(environment) => upload("environment table", bytemuck::cast_slice(&environment.table))?,
+                None => [0; 2],
+            },
             background_probability: scene.background_probability,
             nodes: upload("nodes", &built.nodes)?,
             primitives: upload("primitives", bytemuck::cast_slice(&primitives))?,
             corners: upload("corners", bytemuck::cast_slice(&corners))?,
             normals: upload("normals", bytemuck::cast_slice(&scene.normals))?,
+            uvs: if needs.uvs { upload("texture coordinates", bytemuck::cast_slice(&scene.uvs))? } else { [0; 2] },
+            tangents: if needs.tangents { upload("tangents", bytemuck::cast_slice(&scene.tangents))? } else { [0; 2] },
+            colours: if needs.colours {
+                upload("vertex colours", bytemuck::cast_slice(&scene.colours))?
+            } else {
+                [0; 2]
+            },
             surfaces: upload("surfaces", bytemuck::cast_slice(&scene.surfaces))?,
             materials: upload("materials", bytemuck::cast_slice(&scene.materials))?,
+            material_textures: upload("material textures", bytemuck::cast_slice(&scene.material_textures))?,
+            blends: upload("blends", bytemuck::cast_slice(&scene.blends))?,
+            plastics: upload("plastics", bytemuck::cast_slice(&scene.plastics))?,
+            principleds: upload("principled materials", bytemuck::cast_slice(&scene.principleds))?,
+            layereds: upload("layered materials", bytemuck::cast_slice(&scene.layereds))?,
+            textures: upload("textures", bytemuck::cast_slice(&textures))?,
+            tables: upload("tables", bytemuck::cast_slice(&scene.tables))?,
+            light_count: scene.lights.len() as u32,
             lights: upload("lights", bytemuck::cast_slice(&scene.lights))?,
             instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
             filter_parameters: settings.filter.parameters().1,
@@ -146,7 +183,8 @@ fn rows(map: &DAffine3) -> [[f32; 4]; 3] {
 fn instance(to_world: &DAffine3, root: u32, first_primitive: u32) -> layout::Instance {
     let [world0, world1, world2] = rows(to_world);
     let [object0, object1, object2] = rows(&to_world.inverse());
-    layout::Instance { world0, world1, world2, object0, object1, object2, root, first_primitive }
+    let moved = u32::from(*to_world != DAffine3::IDENTITY);
+    layout::Instance { world0, world1, world2, object0, object1, object2, root, first_primitive, moved }
 }
 
 fn build_bvh(scene: &Scene, needs: &Needs) -> Built {

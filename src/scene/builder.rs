@@ -2,22 +2,35 @@
 
 use std::path::PathBuf;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
 
 use super::camera::{Camera, FovAxis};
 use super::light::{Lamp, fill_alias_table, importance, power, triangle_area};
-use super::material::{self, transmits};
+use super::material::{self, Detail, MaterialDescription};
 use super::mesh::Mesh;
-use super::{FilmSettings, Filter, Group, Instance, Scene, TechniqueRequest};
+use super::texture::{Pattern, TextureDescription, TextureImage, srgb_table};
+use super::{Environment, FilmSettings, Filter, Group, Instance, Scene, TechniqueRequest, environment};
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result};
 use crate::layout::{
-    Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, Material, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK,
-    Surface,
+    Blend, Corners, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, MATERIAL_BLEND,
+    MATERIAL_HAS_TANGENTS, MATERIAL_HAS_TRANSMISSION, Material, MaterialTextures, NONE, Plastic, Primitive, Principled,
+    SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
 };
 
 /// What one side of a surface is made of.
 pub type Side = Option<usize>;
+
+/// What a surface stops of the light that falls on it; the rest goes straight on.
+#[derive(Clone, Copy, Debug)]
+pub struct Mask {
+    /// The share that it stops.
+    pub opacity: f64,
+    /// A texture that multiplies it.
+    pub texture: Option<u32>,
+    /// Where above 0, opacities below it count as 0 and others as 1.
+    pub cutoff: f64,
+}
 
 /// A surface: the materials of its two sides (indices from [`SceneBuilder::material`]) and what its front emits.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,12 +41,16 @@ pub struct SurfaceDescription {
     pub back: Side,
     /// Radiance of the front, W/(m² sr).
     pub emission: [f64; 3],
+    /// A texture that multiplies it.
+    pub emission_texture: Option<u32>,
+    /// What it stops; nothing stops all.
+    pub mask: Option<Mask>,
 }
 
 #[derive(Clone, Debug)]
 enum Shape {
     Mesh { mesh: Mesh, to_group: DAffine3 },
-    Sphere { centre: DVec3, radius: f64 },
+    Sphere { centre: DVec3, radius: f64, axes: DMat3 },
 }
 
 #[derive(Clone, Debug)]
@@ -56,9 +73,14 @@ pub struct SceneBuilder {
     pub lamps: Vec<Lamp>,
     /// Radiance of the background.
     pub background: Option<[f64; 3]>,
+    /// A texture that multiplies it, and the image's axes in the world (its up axis is the second).
+    pub environment: Option<(u32, DMat3)>,
     /// What the user should know.
     pub warnings: Vec<String>,
-    materials: Vec<Material>,
+    images: Vec<TextureImage>,
+    textures: Vec<TextureDescription>,
+    materials: Vec<MaterialDescription>,
+    blends: Vec<Blend>,
     surfaces: Vec<SurfaceDescription>,
     groups: Vec<PendingGroup>,
     instances: Vec<(usize, DAffine3)>,
@@ -77,18 +99,70 @@ impl SceneBuilder {
             technique: TechniqueRequest::default(),
             lamps: Vec::new(),
             background: None,
+            environment: None,
             warnings: Vec::new(),
+            images: Vec::new(),
+            textures: Vec::new(),
             materials: Vec::new(),
+            blends: Vec::new(),
             surfaces: Vec::new(),
             groups: vec![PendingGroup { name: String::from("world"), shapes: Vec::new() }],
             instances: Vec::new(),
         }
     }
 
+    /// Adds an image for textures to show.
+    pub fn image(&mut self, image: TextureImage) -> usize {
+        self.images.push(image);
+        self.images.len() - 1
+    }
+
+    /// Adds a texture.
+    pub fn texture(&mut self, texture: TextureDescription) -> u32 {
+        self.textures.push(texture);
+        self.textures.len() as u32 - 1
+    }
+
+    /// Mean of a texture's values.
+    pub fn texture_mean(&self, texture: u32) -> [f64; 3] {
+        let texture = &self.textures[texture as usize];
+        match texture.pattern {
+            Pattern::Checkerboard(a, b) => [0, 1, 2].map(|channel| 0.5 * f64::from(a[channel] + b[channel])),
+            Pattern::Image(image) => {
+                let mean = self.images[image].mean();
+                [0, 1, 2].map(|i| (mean[i] * f64::from(texture.scale[i]) + f64::from(texture.offset[i])).max(0.0))
+            }
+        }
+    }
+
     /// Adds a material.
-    pub fn material(&mut self, material: Material) -> usize {
-        self.materials.push(material);
+    pub fn material(&mut self, material: impl Into<MaterialDescription>) -> usize {
+        self.materials.push(material.into());
         self.materials.len() - 1
+    }
+
+    /// A material that was added.
+    pub fn material_mut(&mut self, material: usize) -> &mut MaterialDescription {
+        &mut self.materials[material]
+    }
+
+    /// Adds a material that is the second of two with this probability, which a texture may multiply, else the first.
+    pub fn blend(&mut self, first: usize, second: usize, weight: f64, texture: Option<u32>) -> usize {
+        self.blends.push(Blend {
+            first: first as u32,
+            second: second as u32,
+            weight: weight as f32,
+            weight_texture: texture.unwrap_or(NONE),
+        });
+        let either = self.materials[first].record.flags | self.materials[second].record.flags;
+        let record = Material {
+            kind: MATERIAL_BLEND,
+            flags: either & MATERIAL_HAS_TRANSMISSION,
+            detail: self.blends.len() as u32 - 1,
+            textures: NONE,
+            ..Material::default()
+        };
+        self.material(record)
     }
 
     /// Adds a surface.
@@ -100,7 +174,11 @@ impl SceneBuilder {
     /// Adds a diffuse surface that is the same from both sides: short for [`Self::material`] and [`Self::surface`].
     pub fn matte(&mut self, reflectance: [f32; 3]) -> usize {
         let material = self.material(material::diffuse(reflectance));
-        self.surface(SurfaceDescription { front: Some(material), back: Some(material), emission: [0.0; 3] })
+        self.surface(SurfaceDescription {
+            front: Some(material),
+            back: Some(material),
+            ..SurfaceDescription::default()
+        })
     }
 
     /// Adds a group, to be placed by [`Self::instance`].
@@ -116,7 +194,20 @@ impl SceneBuilder {
 
     /// Adds a sphere to a group. A negative radius turns its normal inwards.
     pub fn sphere(&mut self, group: usize, name: &str, centre: DVec3, radius: f64, surface: usize) {
-        self.groups[group].shapes.push((Shape::Sphere { centre, radius }, surface, name.to_owned()));
+        self.oriented_sphere(group, name, centre, radius, DMat3::IDENTITY, surface);
+    }
+
+    /// The same with the axes (orthonormal) that its texture coordinates go by.
+    pub fn oriented_sphere(
+        &mut self,
+        group: usize,
+        name: &str,
+        centre: DVec3,
+        radius: f64,
+        axes: DMat3,
+        surface: usize,
+    ) {
+        self.groups[group].shapes.push((Shape::Sphere { centre, radius, axes }, surface, name.to_owned()));
     }
 
     /// Places a group.
@@ -170,11 +261,12 @@ impl SceneBuilder {
                 flat.degenerate, flat.triangles_seen
             ));
         }
-        if flat.corners.iter().all(|corners| corners.i0 == NONE) {
-            flat.corners = Vec::new();
-        }
+        flat.close_attributes();
+        let is_textured = !self.textures.is_empty();
+        let mut tables = if is_textured { srgb_table() } else { Vec::new() };
+        let filed = file_materials(&self.materials, &mut tables);
 
-        let mut lights: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin)).collect();
+        let mut lights: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin, &mut tables)).collect();
         lights.extend(flat.emitters.iter().map(|emitter| emitter.0));
         if lights.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
             self.warnings.push(String::from("the scene has no light: a white sky of radiance 1 stands in"));
@@ -185,8 +277,15 @@ impl SceneBuilder {
             max: (max - origin).as_vec3(),
         });
         let radius = (bounds.max - bounds.min).length() as f64 * 0.5;
-        let background = self.background.filter(|rgb| importance(*rgb) > 0.0);
-        let weights: Vec<f64> = lights.iter().map(|light| power(light, radius)).collect();
+        let mut background = self.background.filter(|rgb| importance(*rgb) > 0.0);
+        let environment = match (self.environment, background) {
+            (Some((texture, axes)), Some(_)) => self.sample_environment(texture, axes)?,
+            _ => None,
+        };
+        if self.environment.is_some() && environment.is_none() {
+            background = None; // a black image
+        }
+        let weights: Vec<f64> = lights.iter().map(|light| self.light_power(light, radius)).collect();
         let background_probability = match (background.is_some(), weights.iter().sum::<f64>() > 0.0) {
             (true, true) => 0.5, // neither can starve the other, whichever the scene shows more of
             (true, false) => 1.0,
@@ -217,10 +316,22 @@ impl SceneBuilder {
             primitives: flat.primitives,
             corners: flat.corners,
             normals: flat.normals,
+            uvs: flat.uvs,
+            tangents: flat.tangents,
+            colours: flat.colours,
             surfaces: flat.surfaces,
-            materials: self.materials,
+            materials: filed.materials,
+            material_textures: filed.textures,
+            blends: self.blends,
+            plastics: filed.plastics,
+            principleds: filed.principleds,
+            layereds: filed.layereds,
+            textures: self.textures.iter().map(|texture| texture.entry(&self.images)).collect(),
+            images: self.images,
+            tables,
             lights,
             background: background.map(|rgb| rgb.map(|channel| channel as f32)),
+            environment,
             background_probability: background_probability as f32,
             groups: placed,
             instances,
@@ -228,6 +339,31 @@ impl SceneBuilder {
             bounds,
             warnings: self.warnings,
         })
+    }
+
+    /// The environment with the table that it is sampled by; nothing where it is black.
+    fn sample_environment(&self, texture: u32, axes: DMat3) -> Result<Option<Environment>> {
+        let Pattern::Image(image) = self.textures[texture as usize].pattern else {
+            return Err(Error::scene(&self.source, "an environment must be an image"));
+        };
+        let rows = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.normalize().as_vec3().to_array());
+        Ok(environment::table(&self.images[image]).map(|(table, cells)| Environment {
+            texture,
+            from_world: rows,
+            table,
+            cells,
+        }))
+    }
+
+    /// The flux that a light brings, its texture included.
+    fn light_power(&self, light: &Light, radius: f64) -> f64 {
+        let texture = match light.kind {
+            LIGHT_TRIANGLE | LIGHT_SPHERE => self.surfaces[light.source as usize].emission_texture,
+            LIGHT_SPOT | LIGHT_PROJECTOR => Some(light.source).filter(|texture| *texture != NONE),
+            _ => None,
+        };
+        let factor = texture.map_or(1.0, |texture| importance(self.texture_mean(texture)));
+        power(light, radius) * factor
     }
 
     /// The box around everything that is placed, in world coordinates; nothing where there is no geometry.
@@ -246,7 +382,7 @@ impl SceneBuilder {
                             .iter()
                             .for_each(|position| include(map.transform_point3(*position), DVec3::ZERO));
                     }
-                    Shape::Sphere { centre, radius } => {
+                    Shape::Sphere { centre, radius, .. } => {
                         let rows = to_world.matrix3.transpose();
                         let reach =
                             DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * radius.abs();
@@ -273,11 +409,59 @@ impl SceneBuilder {
     }
 }
 
+/// The materials' records and what goes beside them.
+#[derive(Default)]
+struct Filed {
+    materials: Vec<Material>,
+    textures: Vec<MaterialTextures>,
+    plastics: Vec<Plastic>,
+    principleds: Vec<Principled>,
+    layereds: Vec<Layered>,
+}
+
+fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
+    let mut filed = Filed::default();
+    for description in descriptions {
+        let mut record = description.record;
+        match &description.detail {
+            Detail::None => {}
+            Detail::Plastic(plastic, table) => {
+                record.detail = filed.plastics.len() as u32;
+                filed.plastics.push(Plastic { table: tables.len() as u32, ..*plastic });
+                tables.extend(table);
+            }
+            Detail::Principled(principled) => {
+                record.detail = filed.principleds.len() as u32;
+                filed.principleds.push(*principled);
+            }
+            Detail::Layered(layered) => {
+                record.detail = filed.layereds.len() as u32;
+                filed.layereds.push(*layered);
+            }
+        }
+        let textures = &description.textures;
+        if description.is_textured() {
+            record.textures = filed.textures.len() as u32;
+            filed.textures.push(*textures);
+        }
+        if textures.normal != NONE || textures.bump != NONE {
+            record.flags |= MATERIAL_HAS_TANGENTS;
+        }
+        filed.materials.push(record);
+    }
+    filed
+}
+
 /// The flat arrays while they grow.
 struct Flat {
     primitives: Vec<Primitive>,
     corners: Vec<Corners>,
+    /// Vertices that have any attribute so far: where the next one's attributes go.
+    vertices: usize,
     normals: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    tangents: Vec<[f32; 4]>,
+    colours: Vec<[f32; 4]>,
     surfaces: Vec<Surface>,
     /// Entries of the light table and the surface that each belongs to.
     emitters: Vec<(Light, usize)>,
@@ -293,19 +477,27 @@ impl Flat {
             .iter()
             .map(|description| {
                 // What transmits is one material seen from both sides.
-                let glass = description.front.filter(|front| transmits(&builder.materials[*front]));
+                let glass = description.front.filter(|front| builder.materials[*front].transmits());
                 Surface {
                     front: side(description.front),
                     back: side(glass.or(description.back)),
                     emission: description.emission.map(|channel| channel as f32),
                     light_density: 0.0,
+                    emission_texture: description.emission_texture.unwrap_or(NONE),
+                    opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
+                    opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),
+                    opacity_cutoff: description.mask.map_or(0.0, |mask| mask.cutoff as f32),
                 }
             })
             .collect();
         Self {
             primitives: Vec::new(),
             corners: Vec::new(),
+            vertices: 0,
             normals: Vec::new(),
+            uvs: Vec::new(),
+            tangents: Vec::new(),
+            colours: Vec::new(),
             surfaces,
             emitters: Vec::new(),
             degenerate: 0,
@@ -336,30 +528,109 @@ impl Flat {
                 Shape::Mesh { mesh, to_group } => {
                     self.add_mesh(source, &name, &mesh, to_local * to_group, surface, emits)?
                 }
-                Shape::Sphere { centre, radius } => {
-                    spheres.push((to_local.transform_point3(centre).as_vec3(), radius as f32, surface, emits))
+                Shape::Sphere { centre, radius, axes } => {
+                    spheres.push((to_local.transform_point3(centre).as_vec3(), radius as f32, axes, surface, emits))
                 }
             }
         }
         let middle = self.primitives.len() as u32;
-        for (centre, radius, surface, emits) in spheres {
-            let v1 = [radius, 0.0, 0.0];
-            self.primitives.push(Primitive {
-                v0: centre.into(),
-                v1,
-                v2: [0.0; 3],
-                surface: surface as u32 | SPHERE_BIT,
-            });
+        for (centre, radius, axes, surface, emits) in spheres {
+            let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+            let turn = DQuat::from_mat3(&(axes * mirror)).normalize();
+            let turn = if turn.w < 0.0 { -turn } else { turn };
+            let v1 = [radius, mirror as f32, 0.0];
+            let v2 = turn.xyz().as_vec3().to_array();
+            self.primitives.push(Primitive { v0: centre.into(), v1, v2, surface: surface as u32 | SPHERE_BIT });
             self.corners.push(Corners { i0: NONE, i1: NONE, i2: NONE });
             if emits {
                 let radiance = self.surfaces[surface].emission;
                 self.emitters.push((
-                    Light { kind: LIGHT_SPHERE, position: centre.into(), v1, radiance, ..Light::default() },
+                    Light {
+                        kind: LIGHT_SPHERE,
+                        position: centre.into(),
+                        v1,
+                        v2,
+                        radiance,
+                        source: surface as u32,
+                        ..Light::default()
+                    },
                     surface,
                 ));
             }
         }
         Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
+    }
+
+    /// Takes in the vertex attributes of a mesh; the bits of [`Primitive::surface`] that say which there are.
+    fn add_attributes(&mut self, mesh: &Mesh, to_local: DAffine3) -> Result<u32, String> {
+        let count = mesh.positions.len();
+        for (what, given) in [
+            ("normals", mesh.normals.len()),
+            ("texture coordinates", mesh.uvs.len()),
+            ("tangents", mesh.tangents.len()),
+            ("colours", mesh.colours.len()),
+        ] {
+            if given != 0 && given != count {
+                return Err(format!("{given} {what} for {count} vertices"));
+            }
+        }
+        if let Some(bad) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
+            return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", mesh.uvs[bad]));
+        }
+        let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
+        let base = self.vertices;
+        let mut flags = 0;
+        if !mesh.normals.is_empty() {
+            flags |= SMOOTH_BIT;
+            self.normals.resize(base, [0.0; 3]);
+            let turned = |normal: &Vec3| (for_normals * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array();
+            self.normals.extend(mesh.normals.iter().map(turned));
+        }
+        if !mesh.uvs.is_empty() {
+            flags |= UV_BIT;
+            self.uvs.resize(base, [0.0; 2]);
+            self.uvs.extend(mesh.uvs.iter().map(|uv| uv.to_array()));
+        }
+        if !mesh.tangents.is_empty() {
+            flags |= TANGENT_BIT;
+            self.tangents.resize(base, [0.0; 4]);
+            let turned = |tangent: &Vec4| {
+                (to_local.matrix3 * tangent.truncate().as_dvec3())
+                    .normalize_or_zero()
+                    .as_vec3()
+                    .extend(tangent.w)
+                    .to_array()
+            };
+            self.tangents.extend(mesh.tangents.iter().map(turned));
+        }
+        if !mesh.colours.is_empty() {
+            self.colours.resize(base, [1.0; 4]);
+            self.colours.extend(mesh.colours.iter().map(|colour| colour.to_array()));
+        }
+        if flags != 0 || !mesh.colours.is_empty() {
+            self.vertices += count;
+        }
+        Ok(flags)
+    }
+
+    /// Brings the attributes that some meshes have to the same length for all.
+    fn close_attributes(&mut self) {
+        let count = self.vertices;
+        if count == 0 {
+            self.corners = Vec::new();
+        }
+        if !self.normals.is_empty() {
+            self.normals.resize(count, [0.0; 3]);
+        }
+        if !self.uvs.is_empty() {
+            self.uvs.resize(count, [0.0; 2]);
+        }
+        if !self.tangents.is_empty() {
+            self.tangents.resize(count, [0.0; 4]);
+        }
+        if !self.colours.is_empty() {
+            self.colours.resize(count, [1.0; 4]);
+        }
     }
 
     fn add_mesh(
@@ -379,19 +650,12 @@ impl Flat {
                 mesh.positions[bad]
             )));
         }
-        if !mesh.normals.is_empty() && mesh.normals.len() != mesh.positions.len() {
-            return Err(wrong(format!("{} normals for {} vertices", mesh.normals.len(), mesh.positions.len())));
-        }
         let positions: Vec<Vec3> =
             mesh.positions.iter().map(|position| to_local.transform_point3(*position).as_vec3()).collect();
-        let first_normal = self.normals.len() as u32;
-        let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
-        self.normals.extend(
-            mesh.normals
-                .iter()
-                .map(|normal| (for_normals * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array()),
-        );
-        let smooth = if mesh.normals.is_empty() { 0 } else { SMOOTH_BIT };
+        let first_normal = self.vertices as u32;
+        let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
+        let smooth = flags & SMOOTH_BIT;
+        let has_attributes = self.vertices as u32 > first_normal;
         self.triangles_seen += mesh.triangles.len();
         for (index, triangle) in mesh.triangles.iter().enumerate() {
             if let Some(bad) = triangle.iter().find(|vertex| **vertex as usize >= positions.len()) {
@@ -426,9 +690,9 @@ impl Flat {
                 v0: v0.into(),
                 v1: v1.into(),
                 v2: v2.into(),
-                surface: surface as u32 & SURFACE_MASK | smooth,
+                surface: surface as u32 & SURFACE_MASK | flags,
             });
-            let corner = |vertex: u32| if smooth == 0 { NONE } else { first_normal + vertex };
+            let corner = |vertex: u32| if has_attributes { first_normal + vertex } else { NONE };
             self.corners.push(Corners { i0: corner(triangle[0]), i1: corner(triangle[1]), i2: corner(triangle[2]) });
             if emits {
                 let radiance = self.surfaces[surface].emission;
@@ -438,6 +702,8 @@ impl Flat {
                     v1: v1.into(),
                     v2: v2.into(),
                     radiance,
+                    source: surface as u32,
+                    corners: if flags & UV_BIT != 0 { triangle.map(corner) } else { [NONE; 3] },
                     ..Light::default()
                 };
                 self.emitters.push((light, surface));
@@ -464,7 +730,7 @@ fn framing_camera(extent: Option<(DVec3, DVec3)>) -> Camera {
     let distance = radius / (fov.to_radians() / 2.0).sin();
     let from = centre + DVec3::new(0.5, 0.35, 1.0).normalize() * distance;
     let to_world = super::camera::look_at(from, centre, DVec3::Y).unwrap_or(DAffine3::from_translation(from));
-    Camera { name: String::from("default"), to_world, fov, axis: FovAxis::Smaller, principal_point: [0.0; 2] }
+    Camera::new("default", to_world, fov, FovAxis::Smaller)
 }
 
 impl Scene {

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use crate::error::{Error, Result};
+use crate::layout::{CAMERA_ORTHOGRAPHIC, CAMERA_PINHOLE, CAMERA_THIN_LENS};
 
 /// Which side of the image the field of view spans.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +20,24 @@ pub enum FovAxis {
     Larger,
 }
 
-/// A pinhole camera. It looks along +z of its own space, with +x to the left and +y up, as in Mitsuba.
+/// How a camera makes its image.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Projection {
+    /// All rays meet in one point.
+    #[default]
+    Pinhole,
+    /// Rays begin on a lens.
+    ThinLens {
+        /// Radius of the lens, in scene units.
+        radius: f64,
+        /// Distance of the plane that is sharp, along the viewing direction.
+        focus: f64,
+    },
+    /// All rays are parallel; the image is twice the length of the camera's axes across and down.
+    Orthographic,
+}
+
+/// A camera. It looks along +z of its own space, with +x to the left and +y up, as in Mitsuba.
 #[derive(Clone, Debug)]
 pub struct Camera {
     /// Its name, for `--camera`.
@@ -32,9 +50,18 @@ pub struct Camera {
     pub axis: FovAxis,
     /// Shift of the image's centre, in image widths and heights.
     pub principal_point: [f64; 2],
+    /// How it makes its image.
+    pub projection: Projection,
+    /// The part of the whole image that is rendered, in shares of it: left, top, width, height.
+    pub window: [f64; 4],
 }
 
-/// The rays of an image: pixel position (x, y) looks along `corner + x dx + y dy`.
+/// The window that is the whole image.
+pub const WHOLE: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
+
+/// The rays of an image: from a pinhole or a lens around `origin`, pixel position (x, y) looks along `corner + x dx + y dy`,
+/// whose length along the viewing direction is one. An orthographic camera's rays all go along `corner` and begin at
+/// `origin + x lens_x + y lens_y`.
 #[derive(Clone, Copy, Debug)]
 pub struct ImagePlane {
     /// The camera's position.
@@ -45,15 +72,29 @@ pub struct ImagePlane {
     pub dx: DVec3,
     /// Its change per pixel down.
     pub dy: DVec3,
+    /// Change of the origin per unit of lens (or per pixel) to the right.
+    pub lens_x: DVec3,
+    /// Change of it down.
+    pub lens_y: DVec3,
+    /// Lengths of the viewing direction after which all is sharp.
+    pub focus: f64,
+    /// One of the `CAMERA_*` constants.
+    pub kind: u32,
 }
 
 impl Camera {
+    /// A pinhole camera.
+    pub fn new(name: &str, to_world: DAffine3, fov: f64, axis: FovAxis) -> Self {
+        let projection = Projection::Pinhole;
+        Self { name: name.to_owned(), to_world, fov, axis, principal_point: [0.0; 2], projection, window: WHOLE }
+    }
+
     /// Looks from `origin` at `target`.
     pub fn look_at(origin: DVec3, target: DVec3, up: DVec3, fov: f64) -> Result<Self> {
         let to_world = look_at(origin, target, up).ok_or_else(|| {
             Error::Usage(format!("a camera at {origin} cannot look at {target} with {up} as its up: the directions must differ and be finite"))
         })?;
-        Ok(Self { name: String::from("camera"), to_world, fov, axis: FovAxis::X, principal_point: [0.0; 2] })
+        Ok(Self::new("camera", to_world, fov, FovAxis::X))
     }
 
     /// Tangent of half the angle that the image's width spans.
@@ -84,16 +125,52 @@ impl Camera {
     /// The rays of an image of `width` by `height` pixels.
     pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
         let (width, height) = (f64::from(width), f64::from(height));
-        let half_width = self.tan_half_width(width, height);
-        let half_height = half_width * height / width;
-        let [shift_x, shift_y] = self.principal_point;
-        let left = half_width * (1.0 + 2.0 * shift_x);
-        let top = half_height * (1.0 + 2.0 * shift_y);
-        ImagePlane {
+        let [left, top, across, down] = self.window;
+        let (whole_width, whole_height) = (width / across, height / down);
+        let map = |x: f64, y: f64, z: f64| self.to_world.transform_vector3(DVec3::new(x, y, z));
+        let plane = ImagePlane {
             origin: self.to_world.translation,
-            corner: self.to_world.transform_vector3(DVec3::new(left, top, 1.0)),
-            dx: self.to_world.transform_vector3(DVec3::new(-2.0 * half_width / width, 0.0, 0.0)),
-            dy: self.to_world.transform_vector3(DVec3::new(0.0, -2.0 * half_height / height, 0.0)),
+            corner: DVec3::ZERO,
+            dx: DVec3::ZERO,
+            dy: DVec3::ZERO,
+            lens_x: DVec3::ZERO,
+            lens_y: DVec3::ZERO,
+            focus: 1.0,
+            kind: CAMERA_PINHOLE,
+        };
+        if self.projection == Projection::Orthographic {
+            // Two units of the camera's space across, as many down as the image's shape says.
+            let pixel = 2.0 / whole_width;
+            let first = DVec3::new(1.0 - left * 2.0, (whole_height / 2.0 - top * whole_height) * pixel, 0.0);
+            return ImagePlane {
+                origin: self.to_world.transform_point3(first),
+                corner: map(0.0, 0.0, 1.0).normalize(),
+                lens_x: map(-pixel, 0.0, 0.0),
+                lens_y: map(0.0, -pixel, 0.0),
+                kind: CAMERA_ORTHOGRAPHIC,
+                ..plane
+            };
+        }
+        let half_width = self.tan_half_width(whole_width, whole_height);
+        let half_height = half_width * whole_height / whole_width;
+        let [shift_x, shift_y] = self.principal_point;
+        let x = half_width * (1.0 + 2.0 * shift_x - 2.0 * left);
+        let y = half_height * (1.0 + 2.0 * shift_y - 2.0 * top);
+        let plane = ImagePlane {
+            corner: map(x, y, 1.0),
+            dx: map(-2.0 * half_width / whole_width, 0.0, 0.0),
+            dy: map(0.0, -2.0 * half_height / whole_height, 0.0),
+            ..plane
+        };
+        match self.projection {
+            Projection::ThinLens { radius, focus } if radius > 0.0 => ImagePlane {
+                lens_x: map(radius, 0.0, 0.0),
+                lens_y: map(0.0, radius, 0.0),
+                focus,
+                kind: CAMERA_THIN_LENS,
+                ..plane
+            },
+            _ => plane,
         }
     }
 }

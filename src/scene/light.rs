@@ -1,9 +1,13 @@
 //! Lights that no surface carries, and the table that lights are selected from.
 
-use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-use crate::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light};
+use glam::{DMat3, DVec3, Vec3};
+
+use super::alias::alias_table;
+use crate::layout::{
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE,
+};
 
 /// A light without a surface, in world coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +31,23 @@ pub enum Lamp {
         cutoff: f64,
         /// Half angle up to which it is constant.
         beam_width: f64,
+        /// A texture that multiplies the intensity, and the light's axes (x, y, direction) in the world.
+        texture: Option<(u32, DMat3)>,
+    },
+    /// A point that projects a texture along the third of its axes.
+    Projector {
+        /// Where it is.
+        position: DVec3,
+        /// Its axes in the world: right in the image, up in it, and the way it shines.
+        axes: DMat3,
+        /// The image of irradiance on the plane at distance 1, W/m².
+        texture: u32,
+        /// Factor on it.
+        irradiance: [f64; 3],
+        /// Tangents of half the angles of view, across and down the image.
+        tangents: [f64; 2],
+        /// Mean of the image, for selecting lights by power.
+        mean: [f64; 3],
     },
     /// Parallel light that travels along `direction`.
     Directional {
@@ -50,29 +71,47 @@ pub(crate) fn importance(rgb: [f64; 3]) -> f64 {
 
 impl Lamp {
     /// Its entry of the light table (still without its probability), relative to `origin`.
-    pub(crate) fn entry(&self, origin: DVec3) -> Light {
+    /// The frame of a light that has one goes to the end of `tables`.
+    pub(crate) fn entry(&self, origin: DVec3, tables: &mut Vec<f32>) -> Light {
+        let mut frame = |axes: &DMat3| {
+            let first = tables.len() as u32;
+            for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
+                tables.extend(axis.as_vec3().to_array());
+            }
+            [first, 0, 0]
+        };
+        let unframed = Light { source: NONE, ..Light::default() };
         let rgb = |value: [f64; 3]| value.map(|channel| channel as f32);
         match *self {
             Self::Point { position, intensity } => Light {
                 kind: LIGHT_POINT,
                 position: (position - origin).as_vec3().into(),
                 radiance: rgb(intensity),
-                ..Light::default()
+                ..unframed
             },
-            Self::Spot { position, direction, intensity, cutoff, beam_width } => Light {
+            Self::Spot { position, direction, intensity, cutoff, beam_width, texture } => Light {
                 kind: LIGHT_SPOT,
                 position: (position - origin).as_vec3().into(),
                 v1: direction.as_vec3().into(),
                 v2: [cutoff as f32, beam_width as f32, 0.0],
                 radiance: rgb(intensity),
-                ..Light::default()
+                source: texture.map_or(NONE, |(texture, _)| texture),
+                corners: texture.map_or([0; 3], |(_, axes)| frame(&axes)),
+                ..unframed
             },
-            Self::Directional { direction, irradiance } => Light {
-                kind: LIGHT_DIRECTIONAL,
-                v1: direction.as_vec3().into(),
+            Self::Projector { position, axes, texture, irradiance, tangents, .. } => Light {
+                kind: LIGHT_PROJECTOR,
+                position: (position - origin).as_vec3().into(),
+                v1: axes.z_axis.as_vec3().into(),
+                v2: [tangents[0] as f32, tangents[1] as f32, 0.0],
                 radiance: rgb(irradiance),
-                ..Light::default()
+                source: texture,
+                corners: frame(&axes),
+                ..unframed
             },
+            Self::Directional { direction, irradiance } => {
+                Light { kind: LIGHT_DIRECTIONAL, v1: direction.as_vec3().into(), radiance: rgb(irradiance), ..unframed }
+            }
         }
     }
 }
@@ -84,6 +123,7 @@ pub(crate) fn power(light: &Light, scene_radius: f64) -> f64 {
         LIGHT_TRIANGLE => PI * strength * triangle_area(light),
         LIGHT_SPHERE => PI * strength * 4.0 * PI * f64::from(light.v1[0]).powi(2),
         LIGHT_POINT => 4.0 * PI * strength,
+        LIGHT_PROJECTOR => 4.0 * f64::from(light.v2[0]) * f64::from(light.v2[1]) * strength,
         LIGHT_SPOT => 2.0 * PI * (1.0 - f64::from(light.v2[0]).cos()) * strength,
         _ => PI * scene_radius * scene_radius * strength,
     }
@@ -95,61 +135,11 @@ pub(crate) fn triangle_area(light: &Light) -> f64 {
     0.5 * (v1 - v0).cross(v2 - v0).length()
 }
 
-/// Fills in the probability and the alias table (Walker 1977, in Vose's order) of every entry. Weights of zero leave an
-/// entry out.
+/// Fills in the probability and the alias table of every entry. Weights of zero leave an entry out.
 pub(crate) fn fill_alias_table(lights: &mut [Light], weights: &[f64], total_probability: f64) {
     let sum: f64 = weights.iter().sum();
-    let count = lights.len();
-    let mut share: Vec<f64> = weights.iter().map(|weight| weight / sum * count as f64).collect();
-    for (light, share) in lights.iter_mut().zip(&share) {
-        light.probability = (share / count as f64 * total_probability) as f32;
-    }
-    let (mut small, mut large): (Vec<usize>, Vec<usize>) = (0..count).partition(|index| share[*index] < 1.0);
-    while let (Some(lesser), Some(greater)) = (small.last().copied(), large.last().copied()) {
-        small.pop();
-        lights[lesser].keep = share[lesser] as f32;
-        lights[lesser].alias = greater as u32;
-        share[greater] -= 1.0 - share[lesser];
-        if share[greater] < 1.0 {
-            large.pop();
-            small.push(greater);
-        }
-    }
-    // What rounding leaves over has a share of one.
-    for rest in small.into_iter().chain(large) {
-        lights[rest].keep = 1.0;
-        lights[rest].alias = rest as u32;
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The probability with which the table selects each entry.
-    fn selected(lights: &[Light]) -> Vec<f64> {
-        let mut probability = vec![0.0; lights.len()];
-        for (index, light) in lights.iter().enumerate() {
-            probability[index] += f64::from(light.keep) / lights.len() as f64;
-            probability[light.alias as usize] += (1.0 - f64::from(light.keep)) / lights.len() as f64;
-        }
-        probability
-    }
-
-    #[test]
-    fn alias_table_selects_in_proportion() {
-        let skewed = |count: usize| (0..count).map(|index| 1e-3 + (index as f64 * 0.37).sin().powi(8) * 1e4).collect();
-        let cases: [Vec<f64>; 5] =
-            [vec![3.0], vec![1.0, 5.0, 0.0, 0.25, 3.75, 2.0], vec![1.0; 7], skewed(5), skewed(1000)];
-        for weights in cases {
-            let mut lights = vec![Light::default(); weights.len()];
-            fill_alias_table(&mut lights, &weights, 0.5);
-            let sum: f64 = weights.iter().sum();
-            for ((weight, light), found) in weights.iter().zip(&lights).zip(selected(&lights)) {
-                let expected = weight / sum;
-                assert!((found - expected).abs() < 1e-6, "{found} against {expected}");
-                assert!((f64::from(light.probability) - 0.5 * expected).abs() < 1e-6 * expected.max(1e-3));
-            }
-        }
+    for ((light, weight), (keep, alias)) in lights.iter_mut().zip(weights).zip(alias_table(weights)) {
+        light.probability = (weight / sum * total_probability) as f32;
+        (light.keep, light.alias) = (keep, alias);
     }
 }

@@ -1,6 +1,6 @@
 //! Triangles with shared vertices, and the solids that scene formats know by name.
 
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 
 /// Triangles with shared vertices.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +11,10 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate per vertex, or none at all: then a triangle's barycentric weights stand in.
     pub uvs: Vec<Vec2>,
+    /// One tangent per vertex, with the sign of the bitangent; or none at all: normal maps then go by the texture coordinates.
+    pub tangents: Vec<Vec4>,
+    /// One colour per vertex, linear red, green, blue and alpha, or none at all.
+    pub colours: Vec<Vec4>,
     /// Three vertex indices per triangle.
     pub triangles: Vec<[u32; 3]>,
 }

@@ -3,9 +3,12 @@
 //! Loaders describe what a file holds to a [`SceneBuilder`] in double precision; [`SceneBuilder::finish`] places it,
 //! drops what is degenerate, and checks the rest.
 
+mod alias;
 mod builder;
 pub mod camera;
+mod environment;
 pub mod filter;
+pub mod image_file;
 pub mod light;
 pub mod load;
 pub mod material;
@@ -13,14 +16,16 @@ mod mesh;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
+mod plastic;
 pub mod ply;
+pub mod texture;
 
 use std::ops::Range;
 use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3};
 
-pub use builder::{SceneBuilder, Side, SurfaceDescription};
+pub use builder::{Mask, SceneBuilder, Side, SurfaceDescription};
 pub use camera::Camera;
 pub use filter::Filter;
 pub use load::{LoadOptions, load};
@@ -28,7 +33,10 @@ pub use mesh::Mesh;
 pub use needs::Needs;
 
 use crate::bvh::Bounds;
-use crate::layout::{Corners, Light, Material, Primitive, Surface};
+use crate::layout::{
+    AliasEntry, Blend, Corners, Layered, Light, Material, MaterialTextures, Plastic, Primitive, Principled, Surface,
+    Texture,
+};
 
 /// A scene, ready to be uploaded.
 #[derive(Clone, Debug)]
@@ -45,16 +53,40 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Where the attributes of each primitive lie; empty where no mesh has any.
     pub corners: Vec<Corners>,
-    /// Vertex normals, unit.
+    /// Vertex normals, unit. This and the following attributes share their indices, and each is empty where no mesh has it.
     pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates.
+    pub uvs: Vec<[f32; 2]>,
+    /// Tangents, and the sign of the bitangent.
+    pub tangents: Vec<[f32; 4]>,
+    /// Vertex colours.
+    pub colours: Vec<[f32; 4]>,
     /// What the primitives are made of.
     pub surfaces: Vec<Surface>,
     /// The parameters of the BSDFs.
     pub materials: Vec<Material>,
+    /// The textures of the materials.
+    pub material_textures: Vec<MaterialTextures>,
+    /// What blends are made of.
+    pub blends: Vec<Blend>,
+    /// What plastics need besides.
+    pub plastics: Vec<Plastic>,
+    /// What principled materials need besides.
+    pub principleds: Vec<Principled>,
+    /// What layered materials need besides.
+    pub layereds: Vec<Layered>,
+    /// Textures; each names its image where it will hold its address.
+    pub textures: Vec<Texture>,
+    /// Images that textures show.
+    pub images: Vec<texture::TextureImage>,
+    /// Tables of floats; where anything is textured, the first 256 decode 8-bit sRGB.
+    pub tables: Vec<f32>,
     /// The light table, with the probability of selecting each entry.
     pub lights: Vec<Light>,
     /// Radiance of the background, if it emits.
     pub background: Option<[f32; 3]>,
+    /// The image that the background shows.
+    pub environment: Option<Environment>,
     /// Probability of selecting the background as the light to sample.
     pub background_probability: f32,
     /// Runs of primitives that are placed together.
@@ -67,6 +99,19 @@ pub struct Scene {
     pub bounds: Bounds,
     /// What the user should know: defaults that stepped in, degenerate faces that were dropped.
     pub warnings: Vec<String>,
+}
+
+/// A background that is an image, in latitude and longitude.
+#[derive(Clone, Debug)]
+pub struct Environment {
+    /// Its texture; the background's radiance is a factor on it.
+    pub texture: u32,
+    /// From world to image directions, by rows: the image's up axis is +y, its middle -z... turned by this.
+    pub from_world: [[f32; 3]; 3],
+    /// Alias table over its cells.
+    pub table: Vec<AliasEntry>,
+    /// Cells across and down.
+    pub cells: [u32; 2],
 }
 
 /// A run of primitives that are placed together.

@@ -2,9 +2,31 @@
 
 use super::Scene;
 use crate::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC,
-    MATERIAL_DIFFUSE, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, NONE, SPHERE_BIT, Specialisation,
+    CAMERA_PINHOLE, LIGHT_DIRECTIONAL, LIGHT_KINDS, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT,
+    LIGHT_TRIANGLE, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION,
+    MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_KINDS, MATERIAL_LAYERED, MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation,
 };
+
+/// The kinds of material by `MATERIAL_*`.
+const MATERIALS: [&str; MATERIAL_KINDS as usize] = [
+    "diffuse",
+    "conductor",
+    "rough conductor",
+    "dielectric",
+    "rough dielectric",
+    "thin dielectric",
+    "plastic",
+    "rough plastic",
+    "principled",
+    "layered (glTF)",
+    "blends",
+];
+
+/// The kinds of light by `LIGHT_*`.
+const LIGHTS: [&str; LIGHT_KINDS as usize] =
+    ["triangle lights", "sphere lights", "point lights", "spot lights", "directional lights", "projectors"];
 
 /// What a scene uses. Each `false` is code that is not compiled in and memory that is not allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,88 +37,194 @@ pub struct Needs {
     pub spheres: bool,
     /// Vertex normals.
     pub normals: bool,
+    /// Texture coordinates.
+    pub uvs: bool,
+    /// Shading frames that follow them.
+    pub tangents: bool,
+    /// Vertex colours.
+    pub colours: bool,
     /// Materials on the back of surfaces.
     pub back_materials: bool,
+    /// Surfaces that let light pass straight through.
+    pub masks: bool,
     /// Per kind of material, whether any surface has it, by `MATERIAL_*`.
-    pub materials: [bool; 5],
+    pub materials: [bool; MATERIAL_KINDS as usize],
+    /// Textures of materials.
+    pub material_textures: bool,
+    /// Beckmann's microfacets.
+    pub beckmann: bool,
+    /// Light that is absorbed inside of materials.
+    pub absorption: bool,
     /// Per kind of light, whether there is one, by `LIGHT_*`.
-    pub lights: [bool; 5],
+    pub lights: [bool; LIGHT_KINDS as usize],
+    /// Textures or masks on what emits.
+    pub textured_lights: bool,
+    /// Point-like lights that shine through a texture.
+    pub projectors: bool,
     /// A background that emits.
     pub background: bool,
-    /// Entries of the light table.
+    /// A background that is an image.
+    pub environment: bool,
+    /// Entries of the light table; `NONE` leaves it to be read.
     pub light_count: u32,
-    /// Surfaces.
+    /// Surfaces; `NONE` leaves them to be read.
     pub surface_count: u32,
-    /// Materials.
+    /// Materials; `NONE` leaves them to be read.
     pub material_count: u32,
 }
 
 impl Needs {
     /// What this scene uses.
     pub fn of(scene: &Scene) -> Self {
-        let mut materials = [false; 5];
-        for surface in &scene.surfaces {
-            for material in [surface.front, surface.back].into_iter().filter(|material| *material != NONE) {
-                materials[scene.materials[material as usize].kind as usize] = true;
+        let mut materials = [false; MATERIAL_KINDS as usize];
+        let mut flags = 0;
+        let mut textured = false;
+        // Blends refer to materials that no surface names.
+        let mut pending: Vec<u32> = scene.surfaces.iter().flat_map(|surface| [surface.front, surface.back]).collect();
+        let mut seen = vec![false; scene.materials.len()];
+        while let Some(index) = pending.pop() {
+            if index == NONE || std::mem::replace(&mut seen[index as usize], true) {
+                continue;
+            }
+            let material = &scene.materials[index as usize];
+            materials[material.kind as usize] = true;
+            flags |= material.flags;
+            textured |= material.textures != NONE;
+            if material.kind == MATERIAL_BLEND {
+                let blend = &scene.blends[material.detail as usize];
+                pending.extend([blend.first, blend.second]);
+                textured |= blend.weight_texture != NONE;
             }
         }
-        let mut lights = [false; 5];
+        let mut lights = [false; LIGHT_KINDS as usize];
+        let mut projectors = false;
         for light in &scene.lights {
             lights[light.kind as usize] = true;
+            let is_lamp = matches!(light.kind, LIGHT_SPOT | LIGHT_PROJECTOR);
+            projectors |= is_lamp && light.source != NONE;
         }
+        let masks = scene.surfaces.iter().any(|surface| surface.opacity < 1.0 || surface.opacity_texture != NONE);
+        let textured_lights = scene.surfaces.iter().any(|surface| {
+            let masked = surface.opacity < 1.0 || surface.opacity_texture != NONE;
+            surface.emission != [0.0; 3] && (surface.emission_texture != NONE || masked)
+        });
+        let textured_masks = scene.surfaces.iter().any(|surface| surface.opacity_texture != NONE);
+        let tangents = flags & MATERIAL_HAS_TANGENTS != 0;
+        let colours = flags & MATERIAL_HAS_COLOURS != 0 && !scene.colours.is_empty();
         Self {
             instances: scene.instances.iter().any(|instance| instance.to_world != glam::DAffine3::IDENTITY)
                 || scene.instances.len() > 1,
             spheres: scene.primitives.iter().any(|primitive| primitive.surface & SPHERE_BIT != 0),
-            normals: !scene.corners.is_empty(),
+            normals: !scene.normals.is_empty(),
+            uvs: textured || tangents || textured_masks || textured_lights || colours,
+            tangents,
+            colours,
             back_materials: scene.surfaces.iter().any(|surface| surface.back != NONE),
+            masks,
             materials,
+            material_textures: textured,
+            beckmann: flags & MICROFACET_BECKMANN != 0,
+            absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
             lights,
+            textured_lights,
+            projectors,
             background: scene.background.is_some(),
+            environment: scene.environment.is_some(),
             light_count: scene.lights.len() as u32,
             surface_count: scene.surfaces.len() as u32,
             material_count: scene.materials.len() as u32,
         }
     }
 
+    /// Everything that there is, whatever the scene uses: what specialisation is measured against.
+    pub fn everything() -> Self {
+        Self {
+            instances: true,
+            spheres: true,
+            normals: true,
+            uvs: true,
+            tangents: true,
+            colours: true,
+            back_materials: true,
+            masks: true,
+            materials: [true; MATERIAL_KINDS as usize],
+            material_textures: true,
+            beckmann: true,
+            absorption: true,
+            lights: [true; LIGHT_KINDS as usize],
+            textured_lights: true,
+            projectors: true,
+            background: true,
+            environment: true,
+            light_count: NONE,
+            surface_count: NONE,
+            material_count: NONE,
+        }
+    }
+
     /// Writes what it knows into a specialisation.
     pub fn specialise(&self, special: &mut Specialisation) {
+        let material = |kind: u32| self.materials[kind as usize];
+        let light = |kind: u32| self.lights[kind as usize];
         special.instances = self.instances;
         special.spheres = self.spheres;
         special.normals = self.normals;
+        special.uvs = self.uvs;
+        special.tangents = self.tangents;
+        special.colours = self.colours;
         special.back_materials = self.back_materials;
-        special.diffuse = self.materials[MATERIAL_DIFFUSE as usize];
-        special.conductor = self.materials[MATERIAL_CONDUCTOR as usize];
-        special.rough_conductor = self.materials[MATERIAL_ROUGH_CONDUCTOR as usize];
-        special.dielectric = self.materials[MATERIAL_DIELECTRIC as usize];
-        special.rough_dielectric = self.materials[MATERIAL_ROUGH_DIELECTRIC as usize];
-        special.triangle_lights = self.lights[LIGHT_TRIANGLE as usize];
-        special.sphere_lights = self.lights[LIGHT_SPHERE as usize];
-        special.point_lights = self.lights[LIGHT_POINT as usize];
-        special.spot_lights = self.lights[LIGHT_SPOT as usize];
-        special.directional_lights = self.lights[LIGHT_DIRECTIONAL as usize];
+        special.masks = self.masks;
+        special.diffuse = material(MATERIAL_DIFFUSE);
+        special.conductor = material(MATERIAL_CONDUCTOR);
+        special.rough_conductor = material(MATERIAL_ROUGH_CONDUCTOR);
+        special.dielectric = material(MATERIAL_DIELECTRIC);
+        special.rough_dielectric = material(MATERIAL_ROUGH_DIELECTRIC);
+        special.thin_dielectric = material(MATERIAL_THIN_DIELECTRIC);
+        special.plastic = material(MATERIAL_PLASTIC);
+        special.rough_plastic = material(MATERIAL_ROUGH_PLASTIC);
+        special.principled = material(MATERIAL_PRINCIPLED);
+        special.layered = material(MATERIAL_LAYERED);
+        special.blends = material(MATERIAL_BLEND);
+        special.material_textures = self.material_textures;
+        special.beckmann = self.beckmann;
+        special.absorption = self.absorption;
+        special.triangle_lights = light(LIGHT_TRIANGLE);
+        special.sphere_lights = light(LIGHT_SPHERE);
+        special.point_lights = light(LIGHT_POINT);
+        special.spot_lights = light(LIGHT_SPOT);
+        special.directional_lights = light(LIGHT_DIRECTIONAL);
+        special.textured_lights = self.textured_lights;
+        special.projectors = self.projectors || light(LIGHT_PROJECTOR);
         special.background = self.background;
+        special.environment = self.environment;
         special.light_count = self.light_count;
         special.surface_count = self.surface_count;
         special.material_count = self.material_count;
+        special.camera = CAMERA_PINHOLE;
     }
-}
 
-impl Needs {
-    /// What it uses, in words.
-    pub fn describe(&self) -> Vec<&'static str> {
-        let materials = ["diffuse", "conductor", "rough conductor", "dielectric", "rough dielectric"];
-        let lights = ["triangle lights", "sphere lights", "point lights", "spot lights", "directional lights"];
+    /// What it uses and what it does without, in words.
+    pub fn describe(&self) -> (Vec<&'static str>, Vec<&'static str>) {
         let rest = [
             (self.instances, "instances"),
             (self.spheres, "spheres"),
             (self.normals, "vertex normals"),
+            (self.uvs, "texture coordinates"),
+            (self.tangents, "tangent frames"),
+            (self.colours, "vertex colours"),
             (self.back_materials, "two-sided surfaces"),
+            (self.masks, "masks"),
+            (self.material_textures, "textured materials"),
+            (self.beckmann, "Beckmann microfacets"),
+            (self.absorption, "absorption"),
+            (self.textured_lights, "textured lights"),
             (self.background, "background"),
+            (self.environment, "environment image"),
         ];
-        let mut words: Vec<&'static str> = rest.into_iter().filter(|(used, _)| *used).map(|(_, name)| name).collect();
-        words.extend(materials.into_iter().zip(self.materials).filter(|(_, used)| *used).map(|(name, _)| name));
-        words.extend(lights.into_iter().zip(self.lights).filter(|(_, used)| *used).map(|(name, _)| name));
-        words
+        let materials = self.materials.into_iter().zip(MATERIALS);
+        let lights = self.lights.into_iter().zip(LIGHTS);
+        let all: Vec<_> = rest.into_iter().chain(materials).chain(lights).collect();
+        let those = |wanted: bool| all.iter().filter(|(used, _)| *used == wanted).map(|(_, name)| *name).collect();
+        (those(true), those(false))
     }
 }

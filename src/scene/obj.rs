@@ -60,7 +60,12 @@ pub fn load(path: &Path) -> Result<Scene> {
                 format!("material '{}': Ke is {emission:?}, and must be 0 or more", described.name),
             ));
         }
-        surfaces.push(builder.surface(SurfaceDescription { front: Some(id), back: Some(id), emission }));
+        surfaces.push(builder.surface(SurfaceDescription {
+            front: Some(id),
+            back: Some(id),
+            emission,
+            ..SurfaceDescription::default()
+        }));
     }
     for model in models {
         let surface = model.mesh.material_id.and_then(|id| surfaces.get(id)).copied().unwrap_or(grey);
@@ -97,6 +102,8 @@ fn to_mesh(mesh: tobj::Mesh) -> Mesh {
         positions: vectors(&mesh.positions),
         normals: vectors(&mesh.normals).into_iter().map(|normal| normal.as_vec3()).collect::<Vec<Vec3>>(),
         uvs: mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0] as f32, uv[1] as f32)).collect(),
+        tangents: Vec::new(),
+        colours: Vec::new(),
         triangles: mesh.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect(),
     }
 }

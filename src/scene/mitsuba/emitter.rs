@@ -36,6 +36,7 @@ impl Loader {
                     intensity: object.colour("intensity", Colour::Emission, 1.0)?,
                     cutoff: cutoff.to_radians(),
                     beam_width: beam_width.to_radians(),
+                    texture: None,
                 });
             }
             "directional" => {

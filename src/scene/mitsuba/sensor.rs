@@ -33,7 +33,7 @@ impl Loader {
             [object.float("principal_point_offset_x", 0.0)?, object.float("principal_point_offset_y", 0.0)?];
         let first = self.builder.cameras.is_empty();
         let name = object.id.clone().unwrap_or_else(|| format!("camera{}", self.builder.cameras.len()));
-        self.builder.cameras.push(Camera { name, to_world, fov, axis, principal_point });
+        self.builder.cameras.push(Camera { principal_point, ..Camera::new(&name, to_world, fov, axis) });
 
         if let Some(film) = object.object_of("film")? {
             self.read_film(&film, first)?;

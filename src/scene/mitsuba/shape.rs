@@ -98,7 +98,12 @@ impl Loader {
             None if emission.is_some() => (None, None),
             None => (Some(self.builder.material(material::diffuse([0.5; 3]))), None),
         };
-        Ok(self.builder.surface(SurfaceDescription { front, back, emission: emission.unwrap_or([0.0; 3]) }))
+        Ok(self.builder.surface(SurfaceDescription {
+            front,
+            back,
+            emission: emission.unwrap_or([0.0; 3]),
+            ..SurfaceDescription::default()
+        }))
     }
 
     /// The group that a `shapegroup` stands for.

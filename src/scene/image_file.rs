@@ -1,0 +1,132 @@
+//! Images that textures show: PNG, JPEG, Radiance HDR and EXR, from files or from memory.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use exr::prelude::{ReadChannels, ReadLayers, read};
+use image::{DynamicImage, ImageReader, Limits};
+
+use super::texture::{Texels, TextureImage};
+use crate::error::{Error, Result};
+
+/// The most texels that an image may have: a file's header can claim anything.
+const MAX_TEXELS: u64 = 1 << 28;
+/// The longest side of an image.
+const MAX_SIDE: u32 = 1 << 16;
+/// The most bytes that decoding an image may take.
+const MAX_BYTES: u64 = 4 << 30;
+
+/// How the 8-bit values of an image are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Encoding {
+    /// As colours, by the sRGB transfer function.
+    Srgb,
+    /// As numbers.
+    Linear,
+}
+
+/// Reads an image file.
+pub fn read_texture(path: &Path, encoding: Encoding) -> Result<TextureImage> {
+    let bytes = std::fs::read(path).map_err(|error| Error::read(path, error))?;
+    decode_texture(&bytes, path, encoding)
+}
+
+/// Decodes an image; `source` names it in messages.
+pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result<TextureImage> {
+    let wrong = |message: String| Error::scene(source, message);
+    let check = |width: u64, height: u64| {
+        if width == 0
+            || height == 0
+            || width > u64::from(MAX_SIDE)
+            || height > u64::from(MAX_SIDE)
+            || width * height > MAX_TEXELS
+        {
+            return Err(wrong(format!(
+                "the image claims {width} x {height} texels: sides of 1 to {MAX_SIDE} and {MAX_TEXELS} in all are read"
+            )));
+        }
+        Ok(())
+    };
+    if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        return decode_exr(bytes, source, check);
+    }
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| Error::read(source, error))?;
+    if reader.format().is_none() {
+        return Err(wrong(String::from("not an image that is read: valid are PNG, JPEG, Radiance HDR and EXR")));
+    }
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_SIDE);
+    limits.max_image_height = Some(MAX_SIDE);
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| wrong(format!("not a valid image: {error}")))?;
+    let (width, height) = (image.width(), image.height());
+    check(u64::from(width), u64::from(height))?;
+    let is_deep = matches!(
+        image,
+        DynamicImage::ImageLuma16(_)
+            | DynamicImage::ImageLumaA16(_)
+            | DynamicImage::ImageRgb16(_)
+            | DynamicImage::ImageRgba16(_)
+    );
+    let is_float = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    let texels = if is_float {
+        Texels::Float(image.into_rgba32f().pixels().map(|pixel| pixel.0).collect())
+    } else if is_deep {
+        let decode =
+            |value: f32| if encoding == Encoding::Srgb { super::texture::srgb_to_linear(value) } else { value };
+        let texel = |[r, g, b, a]: [f32; 4]| [decode(r), decode(g), decode(b), a];
+        Texels::Float(image.into_rgba32f().pixels().map(|pixel| texel(pixel.0)).collect())
+    } else {
+        let texels = image.into_rgba8().pixels().map(|pixel| pixel.0).collect();
+        if encoding == Encoding::Srgb { Texels::Srgb8(texels) } else { Texels::Linear8(texels) }
+    };
+    finite(TextureImage { source: source.to_owned(), width, height, texels })
+}
+
+fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()>) -> Result<TextureImage> {
+    struct Pixels {
+        width: usize,
+        pixels: Vec<[f32; 4]>,
+    }
+    let wrong = |error: exr::error::Error| Error::scene(source, format!("not a valid EXR image: {error}"));
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(wrong)?;
+    for header in &meta.headers {
+        check(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            |size, _| Pixels { width: size.width(), pixels: vec![[0.0; 4]; size.area()] },
+            |target: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                target.pixels[at.y() * target.width + at.x()] = [r, g, b, a]
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(wrong)?;
+    let size = image.layer_data.size;
+    finite(TextureImage {
+        source: source.to_owned(),
+        width: size.width() as u32,
+        height: size.height() as u32,
+        texels: Texels::Float(image.layer_data.channel_data.pixels.pixels),
+    })
+}
+
+/// Refuses texels that are not finite: one of them would spoil every pixel that sees it.
+fn finite(image: TextureImage) -> Result<TextureImage> {
+    if let Texels::Float(texels) = &image.texels
+        && let Some(bad) = texels.iter().position(|texel| texel.iter().any(|value| !value.is_finite()))
+    {
+        let (x, y) = (bad as u32 % image.width, bad as u32 / image.width);
+        return Err(Error::scene(
+            &image.source,
+            format!("the texel ({x}, {y}) is {:?}: texels must be finite", texels[bad]),
+        ));
+    }
+    Ok(image)
+}
