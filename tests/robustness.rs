@@ -95,6 +95,8 @@ fn wrong_types_and_values() {
     xml("<shape type='sphere'><boolean name='flip_normals' value='yes'/></shape>", &["flip_normals", "true or false"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='1, 2'/></bsdf>", &["reflectance"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='2'/></bsdf>", &["reflectance", "above 1"]);
+    xml("<bsdf type='diffuse'><rgb name='reflectance' value='#a0b1c2'/></bsdf>", &["reflectance", "<srgb>"]);
+    xml("<bsdf type='diffuse'><srgb name='reflectance' value='#a0b1'/></bsdf>", &["reflectance", "#a0b1c2"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='-1'/></bsdf>", &["reflectance", "negative"]);
     xml("<bsdf type='diffuse'><transform name='reflectance'/></bsdf>", &["reflectance", "transform", "colour"]);
     xml("<emitter type='point'><rgb name='intensity' value='-1'/></emitter>", &["intensity", "negative"]);
@@ -146,6 +148,34 @@ fn wrong_types_and_values() {
     xml("<shape type='instance'/>", &["shapegroup"]);
     let group = "<shape type='shapegroup' id='g'><shape type='sphere'><emitter type='area'/></shape></shape><shape type='instance'><ref id='g'/></shape>";
     xml(group, &["emits", "'g'"]);
+}
+
+#[test]
+fn broken_spectra() {
+    let spectrum = |attributes: &str, expected: &[&str]| {
+        xml(&format!("<bsdf type='diffuse'>\n<spectrum name='reflectance' {attributes}/></bsdf>"), expected);
+    };
+    spectrum("", &["scene.xml:3", "'value' or 'filename'"]);
+    spectrum("value='0.5' filename='x.spd'", &["scene.xml:3", "'value' or 'filename'"]);
+    spectrum("value='red'", &["'reflectance'", "red", "wavelength:value"]);
+    spectrum("value='400:0.1, 500'", &["'500'"]);
+    spectrum("value='500:0.1, 400:0.1'", &["must increase"]);
+    spectrum("value='500:0.1, 600:-1'", &["negative"]);
+    spectrum("value='500:0.1'", &["two samples"]);
+    spectrum("filename='none.spd'", &["scene.xml:3", "'reflectance'", "none.spd"]);
+    let file = |text: &[u8], expected: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("x.spd"), text).unwrap();
+        let scene = "<scene version='3.0.0'><bsdf type='diffuse'><spectrum name='reflectance' filename='x.spd'/></bsdf></scene>";
+        std::fs::write(folder.path().join("scene.xml"), scene).unwrap();
+        let message = load(folder.path(), "scene.xml").unwrap_err().to_string();
+        assert!(message.contains("x.spd") && message.contains(expected), "'{expected}' is not in: {message}");
+    };
+    file(b"", "two samples");
+    file(b"400 0.1\n500 0.2 0.3\n", "x.spd:2: '500 0.2 0.3'");
+    file(b"400 0.1\n500, 0.2\n", "x.spd:2");
+    file(b"400 0.1\n# a comment\n300 0.2\n", "x.spd:3: the wavelength 300 follows 400");
+    file(b"400 0.1\n\xff\xff", "UTF-8");
 }
 
 #[test]

@@ -112,6 +112,41 @@ fn the_background_fills_what_is_empty() {
     close(mean(&white, 1), [0.6024, 0.47415, 0.45446]);
 }
 
+/// Samples over wavelength become the colours that Mitsuba 3.9 makes of them: as a reflectance and as an index of refraction
+/// under D65, as an emission without it.
+#[test]
+fn spectra_become_colours() {
+    let samples = r#"value="400:0.1, 500:0.5, 600:0.9, 700:0.2""#;
+    let body = |samples: &str| {
+        format!(
+            r##"<scene version="3.0.0"><bsdf type="diffuse"><spectrum name="reflectance" {samples}/></bsdf>
+            <bsdf type="conductor"><spectrum name="eta" value="580:1.5, 590:2.5, 720:2"/><spectrum name="k" value="0.25"/></bsdf>
+            <bsdf type="diffuse"><srgb name="reflectance" value="#ffbc00"/></bsdf>
+            <emitter type="constant"><spectrum name="radiance" {samples}/></emitter></scene>"##
+        )
+    };
+    let near = |found: [f32; 3], expected: [f32; 3]| {
+        let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs() / b.max(0.01)).fold(0.0, f32::max);
+        assert!(off < 1e-4, "{found:?} against {expected:?}");
+    };
+    let file = "# nm, value\n400 0.1\n500 0.5 # green\n\n600 0.9\n700 0.2\n";
+    for (text, files) in [(body(samples), vec![]), (body(r#"filename="x.spd""#), vec![("x.spd", file)])] {
+        let scene = load(&[vec![("scene.xml", text.as_str())], files].concat()).unwrap();
+        near(scene.materials[0].reflectance, [0.833_826, 0.689_122, 0.265_243]);
+        near(scene.background.unwrap(), [0.974_324, 0.661_608, 0.229_711]);
+        // An index of refraction may exceed 1; what is negative is clamped, which is said.
+        near(scene.materials[1].conductor_eta, [2.828_887, 0.073_553, 0.0]);
+        assert_eq!(scene.materials[1].conductor_k, [0.25; 3]);
+        let said = scene.warnings.iter().filter(|warning| warning.contains("scene.xml:2: 'eta'")).count();
+        assert_eq!(said, 1, "{:?}", scene.warnings);
+        // 0xbc / 255 = 0.737255, and ((0.737255 + 0.055) / 1.055)^2.4 = 0.502886.
+        near(scene.materials[2].reflectance, [1.0, 0.502_886, 0.0]);
+    }
+    let orange = r#"<scene version="3.0.0"><bsdf type="diffuse"><spectrum name="reflectance" value="590:1, 830:1"/></bsdf></scene>"#;
+    let scene = load(&[("scene.xml", orange)]).unwrap();
+    assert_eq!(scene.materials[0].reflectance[0], 1.0, "a reflectance is clamped to 1, too");
+}
+
 /// A large square at z = 0, lit by something in front of it.
 fn lit(emitter: &str, bsdf: &str) -> Scene {
     mitsuba(&format!(

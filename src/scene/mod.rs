@@ -14,6 +14,7 @@ pub mod mitsuba;
 pub mod needs;
 pub mod obj;
 pub mod ply;
+mod spectrum;
 
 use std::ops::Range;
 use std::path::PathBuf;

@@ -89,8 +89,8 @@ fn conductor(object: &Object, alpha: Option<[f32; 2]>) -> Result<crate::layout::
             format!("'{name}' is not supported: give 'eta' and 'k' (or 'none', a perfect mirror)"),
         ));
     }
-    let eta = object.colour("eta", Colour::Reflectance, 0.0)?.map(|channel| channel as f32);
-    let k = object.colour("k", Colour::Reflectance, 1.0)?.map(|channel| channel as f32);
+    let eta = object.colour("eta", Colour::Unbounded, 0.0)?.map(|channel| channel as f32);
+    let k = object.colour("k", Colour::Unbounded, 1.0)?.map(|channel| channel as f32);
     let reflectance = object.reflectance("specular_reflectance", 1.0)?;
     Ok(material::conductor(eta, k, reflectance, alpha))
 }
