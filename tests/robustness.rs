@@ -75,7 +75,11 @@ fn unknown_things_list_what_is_known() {
     xml("<shape type='sphere'><float name='radius' value='$r'/></shape>", &["$r", "-D"]);
     xml("<shape type='sphere'><medium type='x'/></shape>", &["<medium>"]);
     xml("<shape type='sphere'><sensor type='perspective'/></shape>", &["<sensor>"]);
-    xml("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>", &["Unobtainium"]);
+    xml(
+        "<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>",
+        &["Unobtainium", "none, a-C, Ag,"],
+    );
+    xml("<bsdf type='conductor'><string name='material' value='Au'/><rgb name='k' value='1'/></bsdf>", &["not both"]);
     xml("<bsdf type='dielectric'><string name='int_ior' value='jelly'/></bsdf>", &["jelly", "water"]);
     xml("<bsdf type='roughconductor'/>", &["distribution", "ggx"]);
 }

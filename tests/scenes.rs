@@ -228,6 +228,27 @@ fn mirrors_show_what_they_face() {
 }
 
 #[test]
+fn conductors_have_names() {
+    let metal = |name: &str| {
+        let kind = if name == "W" { "roughconductor" } else { "conductor" };
+        let rough = if name == "W" { r#"<string name="distribution" value="ggx"/>"# } else { "" };
+        let bsdf = format!(r#"<bsdf type="{kind}"><string name="material" value="{name}"/>{rough}</bsdf>"#);
+        let scene = load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{bsdf}</scene>"#))]).unwrap();
+        (scene.materials[0].conductor_eta, scene.materials[0].conductor_k)
+    };
+    // As Mitsuba 3.9 has them.
+    assert_eq!(metal("Au"), ([0.143_036, 0.375_307, 1.442_05], [3.983, 2.385_56, 1.603_36]));
+    assert_eq!(metal("W"), ([4.370_82, 3.300_25, 2.998_41], [3.500_64, 2.604_87, 2.273_23]));
+    assert_eq!(metal("AlAs"), metal("AlAs_palik"));
+    assert_ne!(metal("Cu"), metal("Cu_palik"));
+    assert_eq!(metal("none"), ([0.0; 3], [1.0; 3]));
+    // One of the two indices alone leaves the other at the mirror's.
+    let scene = r#"<scene version="3.0.0"><bsdf type="conductor"><rgb name="eta" value="1, 2, 3"/></bsdf></scene>"#;
+    let scene = load(&[("scene.xml", scene)]).unwrap();
+    assert_eq!((scene.materials[0].conductor_eta, scene.materials[0].conductor_k), ([1.0, 2.0, 3.0], [1.0; 3]));
+}
+
+#[test]
 fn transforms_apply_in_order() {
     // First the scale, then the shift: the square lies at x = 3 with a half-width of 2, and the camera's centre sees x = 0.
     let at = |parts: &str| {

@@ -10,6 +10,7 @@ pub mod light;
 pub mod load;
 pub mod material;
 mod mesh;
+mod metals;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
