@@ -136,6 +136,9 @@ fn wrong_types_and_values() {
         &["lookat"],
     );
     xml("<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>", &["to_world", "uniform"]);
+    xml("<shape type='cylinder'><point name='p1' x='0' y='0' z='0'/></shape>", &["scene.xml:2", "p1", "no length"]);
+    xml("<shape type='cylinder'><float name='radius' value='-1'/></shape>", &["radius", "-1"]);
+    xml("<shape type='disk'><float name='radius' value='2'/></shape>", &["disk", "radius", "to_world"]);
     xml("<shape type='cube'><transform name='to_world'><translate x='1e30'/></transform></shape>", &["1e18"]);
     xml("<bsdf type='twosided'/>", &["twosided"]);
     xml("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>", &["two"]);

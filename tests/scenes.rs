@@ -89,6 +89,51 @@ fn area_lights_shine_from_their_front_only() {
 }
 
 #[test]
+fn disks_and_cylinders_shine_outwards() {
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="0.25"/></emitter>"#;
+    let shape = |kind: &str, transform: &str, extra: &str| {
+        let opening = format!(
+            r#"<shape type="{kind}">{extra}<transform name="to_world">{transform}</transform><emitter type="area""#
+        );
+        let body = EMITTER.replace(r#"<shape type="rectangle"><emitter type="area""#, &opening);
+        mitsuba(&format!("{body}{sky}"))
+    };
+    let flip = r#"<boolean name="flip_normals" value="true"/>"#;
+    let lit = [1.0, 2.0, 3.0];
+    close(mean(&shape("disk", r#"<scale value="2"/>"#, ""), 4), lit);
+    close(mean(&shape("disk", r#"<scale value="2"/>"#, flip), 4), [0.0; 3]);
+    close(mean(&shape("disk", r#"<scale x="-2" y="3"/>"#, ""), 4), lit);
+    close(mean(&shape("disk", r#"<scale x="2" y="2" z="-1"/>"#, ""), 4), [0.0; 3]);
+    // A cylinder along x that fills the picture, seen from outside, and one along the view that is seen from inside.
+    let axis =
+        r#"<point name="p0" x="-9" y="0" z="0"/><point name="p1" x="9" y="0" z="0"/><float name="radius" value="2"/>"#;
+    close(mean(&shape("cylinder", "", axis), 4), lit);
+    close(mean(&shape("cylinder", r#"<scale x="-1"/>"#, axis), 4), lit);
+    close(mean(&shape("cylinder", "", &format!("{axis}{flip}")), 4), [0.0; 3]);
+    let inside = r#"<scale x="2" y="2" z="-900"/><translate z="6"/>"#;
+    close(mean(&shape("cylinder", inside, ""), 4), [0.0; 3]);
+    close(mean(&shape("cylinder", inside, flip), 4), lit);
+}
+
+#[test]
+fn cylinders_lie_between_their_points() {
+    let scene = mitsuba(
+        r#"<shape type="cylinder"><point name="p0" x="1" y="0" z="0"/><point name="p1" x="1" y="2" z="0"/>
+        <float name="radius" value="0.5"/><transform name="to_world"><scale x="2"/></transform></shape>"#,
+    );
+    // An ellipse in x and z: Mitsuba warns of it, and has the same one.
+    let expected = [(1.0, 3.0), (0.0, 2.0), (-0.5, 0.5)];
+    for (axis, (low, high)) in expected.into_iter().enumerate() {
+        let off = (scene.bounds.min[axis] - low).abs().max((scene.bounds.max[axis] - high).abs());
+        assert!(off < 1e-4, "axis {axis}: {:?}", scene.bounds);
+    }
+    for corners in &scene.corners {
+        let normal = glam::Vec3::from(scene.normals[corners.i0 as usize]);
+        assert!(normal.y.abs() < 1e-6 && (normal.length() - 1.0).abs() < 1e-6, "{normal}");
+    }
+}
+
+#[test]
 fn mirrored_shapes_keep_their_front() {
     // The inverse transpose carries the normal: a mirrored rectangle still faces +z, a mirrored cube outwards, and a
     // mirrored sphere inwards, as in Mitsuba.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::Loader;
 use super::object::{Colour, Object};
@@ -11,7 +11,8 @@ use crate::scene::builder::SurfaceDescription;
 use crate::scene::mesh::Mesh;
 use crate::scene::{material, obj, ply};
 
-const SUPPORTED: [&str; 7] = ["obj", "ply", "rectangle", "cube", "sphere", "shapegroup", "instance"];
+const SUPPORTED: [&str; 9] =
+    ["obj", "ply", "rectangle", "disk", "cube", "cylinder", "sphere", "shapegroup", "instance"];
 
 impl Loader {
     /// Adds a shape to a group.
@@ -47,11 +48,24 @@ impl Loader {
                 let radius = radius * lengths[0] * if turned { -1.0 } else { 1.0 };
                 self.builder.sphere(group, &name, to_world.transform_point3(centre), radius, surface);
             }
-            "rectangle" => {
+            kind @ ("rectangle" | "disk") => {
                 // The normal follows the inverse transpose, whatever the map does to the winding.
                 let mirrored = to_world.matrix3.determinant() < 0.0;
-                let mesh = Mesh::rectangle().turned(flip != mirrored);
-                self.builder.mesh(group, &name, mesh, to_world, surface);
+                let mesh = if kind == "disk" { Mesh::disk() } else { Mesh::rectangle() };
+                self.builder.mesh(group, &name, mesh.turned(flip != mirrored), to_world, surface);
+            }
+            "cylinder" => {
+                let radius = object.positive_float("radius", 1.0)?;
+                let start = object.optional_vector("p0")?.unwrap_or(DVec3::ZERO);
+                let along = object.optional_vector("p1")?.unwrap_or(DVec3::Z) - start;
+                let axis = along.try_normalize().ok_or_else(|| {
+                    object.property_error("p1", "it is the same point as 'p0': the cylinder has no length")
+                })?;
+                // Texture coordinates begin at the first axis of the frame of Duff et al. 2017, here as in Mitsuba.
+                let (x, y) = axis.any_orthonormal_pair();
+                let place = DMat3::from_cols(radius * x, radius * y, along);
+                let to_world = to_world * DAffine3::from_mat3_translation(place, start);
+                self.builder.mesh(group, &name, Mesh::cylinder().turned(flip), to_world, surface);
             }
             "cube" => {
                 let mirrored = to_world.matrix3.determinant() < 0.0;
@@ -59,6 +73,8 @@ impl Loader {
             }
             kind @ ("obj" | "ply") => {
                 let face_normals = object.boolean("face_normals", false)?;
+                // OBJ files count v upwards, and Mitsuba downwards.
+                let flip_v = object.boolean("flip_tex_coords", kind == "obj")?;
                 let file = object.file("filename")?;
                 let read = if kind == "obj" { obj::read_geometry(&file) } else { ply::read(&file) };
                 let mut mesh = read.map_err(|error| match error {
@@ -72,7 +88,13 @@ impl Loader {
                 } else if mesh.normals.is_empty() {
                     mesh.compute_normals();
                 }
-                self.builder.mesh(group, &file.display().to_string(), mesh.turned(flip), to_world, surface);
+                self.builder.mesh(
+                    group,
+                    &file.display().to_string(),
+                    mesh.turned(flip).with_flipped_v(flip_v),
+                    to_world,
+                    surface,
+                );
             }
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         }
