@@ -54,7 +54,7 @@ fn malformed_xml() {
 
 #[test]
 fn unknown_things_list_what_is_known() {
-    xml("<shape type='teapot'/>", &["scene.xml:2", "teapot", "obj, ply, rectangle"]);
+    xml("<shape type='teapot'/>", &["scene.xml:2", "teapot", "obj, ply, serialized, rectangle"]);
     xml("<bsdf type='velvet'/>", &["velvet", "diffuse"]);
     xml("<emitter type='sunsky'/>", &["sunsky", "point, spot, directional or constant"]);
     xml("<sensor type='fisheye'/>", &["fisheye", "perspective"]);
@@ -189,6 +189,16 @@ fn broken_spectra() {
 fn missing_and_cyclic_files() {
     xml("<shape type='obj'><string name='filename' value='none.obj'/></shape>", &["scene.xml:2", "none.obj"]);
     xml("<shape type='ply'/>", &["filename"]);
+    xml("<shape type='serialized'><string name='filename' value='none.ser'/></shape>", &["scene.xml:2", "none.ser"]);
+    xml(
+        "<shape type='serialized'><string name='filename' value='x'/><integer name='shape_index' value='-1'/></shape>",
+        &["shape_index", "-1"],
+    );
+    // The scene itself is not a mesh.
+    xml(
+        "<shape type='serialized'><string name='filename' value='scene.xml'/></shape>",
+        &["scene.xml: not a serialized mesh"],
+    );
     xml("<include filename='none.xml'/>", &["scene.xml:2", "none.xml"]);
     xml("<include filename='scene.xml'/>", &["cycle"]);
     let folder = tempfile::tempdir().unwrap();

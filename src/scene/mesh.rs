@@ -1,8 +1,11 @@
 //! Triangles with shared vertices, and the solids that scene formats know by name.
 
 use std::f64::consts::{PI, TAU};
+use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+use crate::error::{Error, Result};
 
 /// Segments that stand for a full turn of a disk or a cylinder.
 const SEGMENTS: u32 = 256;
@@ -101,6 +104,23 @@ impl Mesh {
             self.normals.iter_mut().for_each(|normal| *normal = -*normal);
         }
         self
+    }
+
+    /// Fails where a triangle refers to a vertex that does not exist; `path` is the file that the mesh came from.
+    pub(super) fn check_indices(&self, path: &Path) -> Result<()> {
+        let count = self.positions.len();
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            if let Some(bad) = triangle.iter().find(|vertex| **vertex as usize >= count) {
+                return Err(Error::scene(
+                    path,
+                    format!(
+                        "triangle {index} refers to vertex {bad}, and there are {count} vertices (0 to {})",
+                        count.saturating_sub(1)
+                    ),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Turns textures upside down, where `flipped` says so: for files whose v runs from the last row of an image to the first.

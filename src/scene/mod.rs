@@ -15,6 +15,7 @@ pub mod mitsuba;
 pub mod needs;
 pub mod obj;
 pub mod ply;
+mod serialized;
 mod spectrum;
 
 use std::ops::Range;

@@ -1,18 +1,19 @@
 //! `<shape>`: geometry, what it is made of, and what it emits.
 
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Loader;
 use super::object::{Colour, Object};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::builder::SurfaceDescription;
 use crate::scene::mesh::Mesh;
-use crate::scene::{material, obj, ply};
+use crate::scene::{material, obj, ply, serialized};
 
-const SUPPORTED: [&str; 9] =
-    ["obj", "ply", "rectangle", "disk", "cube", "cylinder", "sphere", "shapegroup", "instance"];
+const SUPPORTED: [&str; 10] =
+    ["obj", "ply", "serialized", "rectangle", "disk", "cube", "cylinder", "sphere", "shapegroup", "instance"];
 
 impl Loader {
     /// Adds a shape to a group.
@@ -71,30 +72,9 @@ impl Loader {
                 let mirrored = to_world.matrix3.determinant() < 0.0;
                 self.builder.mesh(group, &name, Mesh::cube().turned(flip != mirrored), to_world, surface);
             }
-            kind @ ("obj" | "ply") => {
-                let face_normals = object.boolean("face_normals", false)?;
-                // OBJ files count v upwards, and Mitsuba downwards.
-                let flip_v = object.boolean("flip_tex_coords", kind == "obj")?;
-                let file = object.file("filename")?;
-                let read = if kind == "obj" { obj::read_geometry(&file) } else { ply::read(&file) };
-                let mut mesh = read.map_err(|error| match error {
-                    crate::error::Error::File { cause, .. } => {
-                        object.property_error("filename", format!("cannot read {}: {cause}", file.display()))
-                    }
-                    other => other,
-                })?;
-                if face_normals {
-                    mesh.normals = Vec::new();
-                } else if mesh.normals.is_empty() {
-                    mesh.compute_normals();
-                }
-                self.builder.mesh(
-                    group,
-                    &file.display().to_string(),
-                    mesh.turned(flip).with_flipped_v(flip_v),
-                    to_world,
-                    surface,
-                );
+            "obj" | "ply" | "serialized" => {
+                let (file, mesh) = read_mesh(object)?;
+                self.builder.mesh(group, &file.display().to_string(), mesh.turned(flip), to_world, surface);
             }
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         }
@@ -148,5 +128,78 @@ impl Loader {
         let group = self.shape_group(&shape)?;
         self.builder.instance(group, to_world);
         object.finish()
+    }
+}
+
+/// The mesh that a shape names, and its file. It has vertex normals, from the file or computed, unless `face_normals` says
+/// otherwise.
+fn read_mesh(object: &Object) -> Result<(PathBuf, Mesh)> {
+    let file = object.file("filename")?;
+    let read = match object.plugin.as_str() {
+        // OBJ files count v upwards, and images are stored from the top.
+        "obj" => {
+            object.boolean("flip_tex_coords", true).and_then(|flip| Ok(obj::read_geometry(&file)?.with_flipped_v(flip)))
+        }
+        "ply" => object.boolean("flip_tex_coords", false).and_then(|flip| Ok(ply::read(&file)?.with_flipped_v(flip))),
+        _ => serialized::read(&file, shape_index(object)?),
+    };
+    let mut mesh = read.map_err(|error| match error {
+        Error::File { cause, .. } => {
+            object.property_error("filename", format!("cannot read {}: {cause}", file.display()))
+        }
+        other => other,
+    })?;
+    if object.boolean("face_normals", false)? {
+        mesh.normals = Vec::new();
+    } else if mesh.normals.is_empty() {
+        mesh.compute_normals();
+    }
+    Ok((file, mesh))
+}
+
+/// Which mesh of a file that holds several, counted from 0.
+fn shape_index(object: &Object) -> Result<u32> {
+    let index = object.optional_integer("shape_index")?.unwrap_or(0);
+    u32::try_from(index).map_err(|_| object.property_error("shape_index", format!("{index} is not 0 or more")))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use glam::Vec2;
+
+    use super::*;
+    use crate::scene::mitsuba::{document, object};
+
+    /// Mitsuba flips the texture coordinates of OBJ files, unless told otherwise, and those of PLY files only if told so.
+    #[test]
+    fn texture_coordinates_flip_as_in_mitsuba() {
+        let folder = tempfile::tempdir().unwrap();
+        let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0.25 0.125\nvt 0.5 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+        let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property float u\nproperty float v\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 0.25 0.125\n1 0 0 0.5 0\n0 1 0 0 1\n3 0 1 2\n";
+        std::fs::write(folder.path().join("mesh.obj"), obj).unwrap();
+        std::fs::write(folder.path().join("mesh.ply"), ply).unwrap();
+        let path = folder.path().join("scene.xml");
+        let (as_given, flipped) = (Vec2::new(0.25, 0.125), Vec2::new(0.25, 0.875));
+        for (kind, option, expected) in [
+            ("obj", None, flipped),
+            ("obj", Some(true), flipped),
+            ("obj", Some(false), as_given),
+            ("ply", None, as_given),
+            ("ply", Some(true), flipped),
+            ("ply", Some(false), as_given),
+        ] {
+            let option =
+                option.map_or(String::new(), |on| format!(r#"<boolean name="flip_tex_coords" value="{on}"/>"#));
+            let shape =
+                format!(r#"<shape type="{kind}"><string name="filename" value="mesh.{kind}"/>{option}</shape>"#);
+            std::fs::write(&path, format!(r#"<scene version="3.0.0">{shape}</scene>"#)).unwrap();
+            let scene = object::parse(&document::read(&path, &[]).unwrap()).unwrap();
+            let (_, mesh) = read_mesh(&scene.objects()[0]).unwrap();
+            assert_eq!(mesh.uvs[0], expected, "{shape}");
+        }
     }
 }
