@@ -59,13 +59,10 @@ impl Loader {
                 let radius = object.positive_float("radius", 1.0)?;
                 let start = object.optional_vector("p0")?.unwrap_or(DVec3::ZERO);
                 let along = object.optional_vector("p1")?.unwrap_or(DVec3::Z) - start;
-                let axis = along.try_normalize().ok_or_else(|| {
+                let place = cylinder_place(start, along, radius).ok_or_else(|| {
                     object.property_error("p1", "it is the same point as 'p0': the cylinder has no length")
                 })?;
-                // Texture coordinates begin at the first axis of the frame of Duff et al. 2017, here as in Mitsuba.
-                let (x, y) = axis.any_orthonormal_pair();
-                let place = DMat3::from_cols(radius * x, radius * y, along);
-                let to_world = to_world * DAffine3::from_mat3_translation(place, start);
+                let to_world = to_world * place;
                 self.builder.mesh(group, &name, Mesh::cylinder().turned(flip), to_world, surface);
             }
             "cube" => {
@@ -131,6 +128,13 @@ impl Loader {
     }
 }
 
+/// Where the unit cylinder goes that begins at a point and runs along a vector; nothing where that has no length.
+fn cylinder_place(start: DVec3, along: DVec3, radius: f64) -> Option<DAffine3> {
+    // Texture coordinates begin at the first axis of the frame of Duff et al. 2017, here as in Mitsuba.
+    let (x, y) = along.try_normalize()?.any_orthonormal_pair();
+    Some(DAffine3::from_mat3_translation(DMat3::from_cols(radius * x, radius * y, along), start))
+}
+
 /// The mesh that a shape names, and its file. It has vertex normals, from the file or computed, unless `face_normals` says
 /// otherwise.
 fn read_mesh(object: &Object) -> Result<(PathBuf, Mesh)> {
@@ -171,6 +175,25 @@ mod tests {
 
     use super::*;
     use crate::scene::mitsuba::{document, object};
+
+    /// Points on cylinders from the origin and the first texture coordinate that Mitsuba 3.9 reports for them.
+    #[test]
+    fn cylinders_begin_where_mitsuba_s_do() {
+        let cases = [
+            ([0.0, 0.0, 1.0], [-0.857493, 0.514496, 0.25], 0.413990),
+            ([0.0, 0.0, -2.0], [0.857493, -0.514496, -0.5], 0.086010),
+            ([1.0, 0.0, 0.0], [0.25, -0.813734, 0.581238], 0.651284),
+            ([0.0, -1.0, 0.0], [-0.919145, -0.25, 0.393919], 0.435559),
+            ([1.0, 2.0, 3.0], [-0.158248, 1.316497, 0.341752], 0.306517),
+        ];
+        for (along, point, expected) in cases {
+            let place = cylinder_place(DVec3::ZERO, DVec3::from(along), 1.0).unwrap();
+            let local = place.inverse().transform_point3(DVec3::from(point));
+            let turns = (local.y.atan2(local.x) / std::f64::consts::TAU).rem_euclid(1.0);
+            assert!((turns - expected).abs() < 2e-6 && (local.z - 0.25).abs() < 1e-6, "{along:?}: {turns}, {local}");
+        }
+        assert_eq!(cylinder_place(DVec3::ONE, DVec3::ZERO, 1.0), None);
+    }
 
     /// Mitsuba flips the texture coordinates of OBJ files, unless told otherwise, and those of PLY files only if told so.
     #[test]
