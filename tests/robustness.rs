@@ -54,7 +54,7 @@ fn malformed_xml() {
 
 #[test]
 fn unknown_things_list_what_is_known() {
-    xml("<shape type='teapot'/>", &["scene.xml:2", "teapot", "obj, ply, rectangle"]);
+    xml("<shape type='teapot'/>", &["scene.xml:2", "teapot", "obj, ply, serialized, rectangle"]);
     xml("<bsdf type='velvet'/>", &["velvet", "diffuse"]);
     xml("<emitter type='sunsky'/>", &["sunsky", "point, spot, directional or constant"]);
     xml("<sensor type='fisheye'/>", &["fisheye", "perspective"]);
@@ -75,7 +75,11 @@ fn unknown_things_list_what_is_known() {
     xml("<shape type='sphere'><float name='radius' value='$r'/></shape>", &["$r", "-D"]);
     xml("<shape type='sphere'><medium type='x'/></shape>", &["<medium>"]);
     xml("<shape type='sphere'><sensor type='perspective'/></shape>", &["<sensor>"]);
-    xml("<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>", &["Unobtainium"]);
+    xml(
+        "<bsdf type='conductor'><string name='material' value='Unobtainium'/></bsdf>",
+        &["Unobtainium", "none, a-C, Ag,"],
+    );
+    xml("<bsdf type='conductor'><string name='material' value='Au'/><rgb name='k' value='1'/></bsdf>", &["not both"]);
     xml("<bsdf type='dielectric'><string name='int_ior' value='jelly'/></bsdf>", &["jelly", "water"]);
     xml("<bsdf type='roughconductor'/>", &["distribution", "ggx"]);
 }
@@ -95,6 +99,8 @@ fn wrong_types_and_values() {
     xml("<shape type='sphere'><boolean name='flip_normals' value='yes'/></shape>", &["flip_normals", "true or false"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='1, 2'/></bsdf>", &["reflectance"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='2'/></bsdf>", &["reflectance", "above 1"]);
+    xml("<bsdf type='diffuse'><rgb name='reflectance' value='#a0b1c2'/></bsdf>", &["reflectance", "<srgb>"]);
+    xml("<bsdf type='diffuse'><srgb name='reflectance' value='#a0b1'/></bsdf>", &["reflectance", "#a0b1c2"]);
     xml("<bsdf type='diffuse'><rgb name='reflectance' value='-1'/></bsdf>", &["reflectance", "negative"]);
     xml("<bsdf type='diffuse'><transform name='reflectance'/></bsdf>", &["reflectance", "transform", "colour"]);
     xml("<emitter type='point'><rgb name='intensity' value='-1'/></emitter>", &["intensity", "negative"]);
@@ -130,6 +136,9 @@ fn wrong_types_and_values() {
         &["lookat"],
     );
     xml("<shape type='sphere'><transform name='to_world'><scale x='2'/></transform></shape>", &["to_world", "uniform"]);
+    xml("<shape type='cylinder'><point name='p1' x='0' y='0' z='0'/></shape>", &["scene.xml:2", "p1", "no length"]);
+    xml("<shape type='cylinder'><float name='radius' value='-1'/></shape>", &["radius", "-1"]);
+    xml("<shape type='disk'><float name='radius' value='2'/></shape>", &["disk", "radius", "to_world"]);
     xml("<shape type='cube'><transform name='to_world'><translate x='1e30'/></transform></shape>", &["1e18"]);
     xml("<bsdf type='twosided'/>", &["twosided"]);
     xml("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>", &["two"]);
@@ -149,9 +158,47 @@ fn wrong_types_and_values() {
 }
 
 #[test]
+fn broken_spectra() {
+    let spectrum = |attributes: &str, expected: &[&str]| {
+        xml(&format!("<bsdf type='diffuse'>\n<spectrum name='reflectance' {attributes}/></bsdf>"), expected);
+    };
+    spectrum("", &["scene.xml:3", "'value' or 'filename'"]);
+    spectrum("value='0.5' filename='x.spd'", &["scene.xml:3", "'value' or 'filename'"]);
+    spectrum("value='red'", &["'reflectance'", "red", "wavelength:value"]);
+    spectrum("value='400:0.1, 500'", &["'500'"]);
+    spectrum("value='500:0.1, 400:0.1'", &["must increase"]);
+    spectrum("value='500:0.1, 600:-1'", &["negative"]);
+    spectrum("value='500:0.1'", &["two samples"]);
+    spectrum("filename='none.spd'", &["scene.xml:3", "'reflectance'", "none.spd"]);
+    let file = |text: &[u8], expected: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("x.spd"), text).unwrap();
+        let scene = "<scene version='3.0.0'><bsdf type='diffuse'><spectrum name='reflectance' filename='x.spd'/></bsdf></scene>";
+        std::fs::write(folder.path().join("scene.xml"), scene).unwrap();
+        let message = load(folder.path(), "scene.xml").unwrap_err().to_string();
+        assert!(message.contains("x.spd") && message.contains(expected), "'{expected}' is not in: {message}");
+    };
+    file(b"", "two samples");
+    file(b"400 0.1\n500 0.2 0.3\n", "x.spd:2: '500 0.2 0.3'");
+    file(b"400 0.1\n500, 0.2\n", "x.spd:2");
+    file(b"400 0.1\n# a comment\n300 0.2\n", "x.spd:3: the wavelength 300 follows 400");
+    file(b"400 0.1\n\xff\xff", "UTF-8");
+}
+
+#[test]
 fn missing_and_cyclic_files() {
     xml("<shape type='obj'><string name='filename' value='none.obj'/></shape>", &["scene.xml:2", "none.obj"]);
     xml("<shape type='ply'/>", &["filename"]);
+    xml("<shape type='serialized'><string name='filename' value='none.ser'/></shape>", &["scene.xml:2", "none.ser"]);
+    xml(
+        "<shape type='serialized'><string name='filename' value='x'/><integer name='shape_index' value='-1'/></shape>",
+        &["shape_index", "-1"],
+    );
+    // The scene itself is not a mesh.
+    xml(
+        "<shape type='serialized'><string name='filename' value='scene.xml'/></shape>",
+        &["scene.xml: not a serialized mesh"],
+    );
     xml("<include filename='none.xml'/>", &["scene.xml:2", "none.xml"]);
     xml("<include filename='scene.xml'/>", &["cycle"]);
     let folder = tempfile::tempdir().unwrap();

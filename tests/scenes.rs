@@ -89,6 +89,51 @@ fn area_lights_shine_from_their_front_only() {
 }
 
 #[test]
+fn disks_and_cylinders_shine_outwards() {
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="0.25"/></emitter>"#;
+    let shape = |kind: &str, transform: &str, extra: &str| {
+        let opening = format!(
+            r#"<shape type="{kind}">{extra}<transform name="to_world">{transform}</transform><emitter type="area""#
+        );
+        let body = EMITTER.replace(r#"<shape type="rectangle"><emitter type="area""#, &opening);
+        mitsuba(&format!("{body}{sky}"))
+    };
+    let flip = r#"<boolean name="flip_normals" value="true"/>"#;
+    let lit = [1.0, 2.0, 3.0];
+    close(mean(&shape("disk", r#"<scale value="2"/>"#, ""), 4), lit);
+    close(mean(&shape("disk", r#"<scale value="2"/>"#, flip), 4), [0.0; 3]);
+    close(mean(&shape("disk", r#"<scale x="-2" y="3"/>"#, ""), 4), lit);
+    close(mean(&shape("disk", r#"<scale x="2" y="2" z="-1"/>"#, ""), 4), [0.0; 3]);
+    // A cylinder along x that fills the picture, seen from outside, and one along the view that is seen from inside.
+    let axis =
+        r#"<point name="p0" x="-9" y="0" z="0"/><point name="p1" x="9" y="0" z="0"/><float name="radius" value="2"/>"#;
+    close(mean(&shape("cylinder", "", axis), 4), lit);
+    close(mean(&shape("cylinder", r#"<scale x="-1"/>"#, axis), 4), lit);
+    close(mean(&shape("cylinder", "", &format!("{axis}{flip}")), 4), [0.0; 3]);
+    let inside = r#"<scale x="2" y="2" z="-900"/><translate z="6"/>"#;
+    close(mean(&shape("cylinder", inside, ""), 4), [0.0; 3]);
+    close(mean(&shape("cylinder", inside, flip), 4), lit);
+}
+
+#[test]
+fn cylinders_lie_between_their_points() {
+    let scene = mitsuba(
+        r#"<shape type="cylinder"><point name="p0" x="1" y="0" z="0"/><point name="p1" x="1" y="2" z="0"/>
+        <float name="radius" value="0.5"/><transform name="to_world"><scale x="2"/></transform></shape>"#,
+    );
+    // An ellipse in x and z: Mitsuba warns of it, and has the same one.
+    let expected = [(1.0, 3.0), (0.0, 2.0), (-0.5, 0.5)];
+    for (axis, (low, high)) in expected.into_iter().enumerate() {
+        let off = (scene.bounds.min[axis] - low).abs().max((scene.bounds.max[axis] - high).abs());
+        assert!(off < 1e-4, "axis {axis}: {:?}", scene.bounds);
+    }
+    for corners in &scene.corners {
+        let normal = glam::Vec3::from(scene.normals[corners.i0 as usize]);
+        assert!(normal.y.abs() < 1e-6 && (normal.length() - 1.0).abs() < 1e-6, "{normal}");
+    }
+}
+
+#[test]
 fn mirrored_shapes_keep_their_front() {
     // The inverse transpose carries the normal: a mirrored rectangle still faces +z, a mirrored cube outwards, and a
     // mirrored sphere inwards, as in Mitsuba.
@@ -110,6 +155,41 @@ fn the_background_fills_what_is_empty() {
     // A uniform spectrum that emits is equal-energy white, whose linear sRGB values are these.
     let white = mitsuba(r#"<emitter type="constant"><spectrum name="radiance" value="0.5"/></emitter>"#);
     close(mean(&white, 1), [0.6024, 0.47415, 0.45446]);
+}
+
+/// Samples over wavelength become the colours that Mitsuba 3.9 makes of them: as a reflectance and as an index of refraction
+/// under D65, as an emission without it.
+#[test]
+fn spectra_become_colours() {
+    let samples = r#"value="400:0.1, 500:0.5, 600:0.9, 700:0.2""#;
+    let body = |samples: &str| {
+        format!(
+            r##"<scene version="3.0.0"><bsdf type="diffuse"><spectrum name="reflectance" {samples}/></bsdf>
+            <bsdf type="conductor"><spectrum name="eta" value="580:1.5, 590:2.5, 720:2"/><spectrum name="k" value="0.25"/></bsdf>
+            <bsdf type="diffuse"><srgb name="reflectance" value="#ffbc00"/></bsdf>
+            <emitter type="constant"><spectrum name="radiance" {samples}/></emitter></scene>"##
+        )
+    };
+    let near = |found: [f32; 3], expected: [f32; 3]| {
+        let off = found.iter().zip(expected).map(|(a, b)| (a - b).abs() / b.max(0.01)).fold(0.0, f32::max);
+        assert!(off < 1e-4, "{found:?} against {expected:?}");
+    };
+    let file = "# nm, value\n400 0.1\n500 0.5 # green\n\n600 0.9\n700 0.2\n";
+    for (text, files) in [(body(samples), vec![]), (body(r#"filename="x.spd""#), vec![("x.spd", file)])] {
+        let scene = load(&[vec![("scene.xml", text.as_str())], files].concat()).unwrap();
+        near(scene.materials[0].reflectance, [0.833_826, 0.689_122, 0.265_243]);
+        near(scene.background.unwrap(), [0.974_324, 0.661_608, 0.229_711]);
+        // An index of refraction may exceed 1; what is negative is clamped, which is said.
+        near(scene.materials[1].conductor_eta, [2.828_887, 0.073_553, 0.0]);
+        assert_eq!(scene.materials[1].conductor_k, [0.25; 3]);
+        let said = scene.warnings.iter().filter(|warning| warning.contains("scene.xml:2: 'eta'")).count();
+        assert_eq!(said, 1, "{:?}", scene.warnings);
+        // 0xbc / 255 = 0.737255, and ((0.737255 + 0.055) / 1.055)^2.4 = 0.502886.
+        near(scene.materials[2].reflectance, [1.0, 0.502_886, 0.0]);
+    }
+    let orange = r#"<scene version="3.0.0"><bsdf type="diffuse"><spectrum name="reflectance" value="590:1, 830:1"/></bsdf></scene>"#;
+    let scene = load(&[("scene.xml", orange)]).unwrap();
+    assert_eq!(scene.materials[0].reflectance[0], 1.0, "a reflectance is clamped to 1, too");
 }
 
 /// A large square at z = 0, lit by something in front of it.
@@ -190,6 +270,27 @@ fn mirrors_show_what_they_face() {
     let fresnel = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
     let metal = r#"<bsdf type="conductor"><rgb name="eta" value="0.2"/><rgb name="k" value="3.9"/></bsdf>"#;
     close(mean(&lit(sky, metal), 4), [fresnel; 3]);
+}
+
+#[test]
+fn conductors_have_names() {
+    let metal = |name: &str| {
+        let kind = if name == "W" { "roughconductor" } else { "conductor" };
+        let rough = if name == "W" { r#"<string name="distribution" value="ggx"/>"# } else { "" };
+        let bsdf = format!(r#"<bsdf type="{kind}"><string name="material" value="{name}"/>{rough}</bsdf>"#);
+        let scene = load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{bsdf}</scene>"#))]).unwrap();
+        (scene.materials[0].conductor_eta, scene.materials[0].conductor_k)
+    };
+    // As Mitsuba 3.9 has them.
+    assert_eq!(metal("Au"), ([0.143_036, 0.375_307, 1.442_05], [3.983, 2.385_56, 1.603_36]));
+    assert_eq!(metal("W"), ([4.370_82, 3.300_25, 2.998_41], [3.500_64, 2.604_87, 2.273_23]));
+    assert_eq!(metal("AlAs"), metal("AlAs_palik"));
+    assert_ne!(metal("Cu"), metal("Cu_palik"));
+    assert_eq!(metal("none"), ([0.0; 3], [1.0; 3]));
+    // One of the two indices alone leaves the other at the mirror's.
+    let scene = r#"<scene version="3.0.0"><bsdf type="conductor"><rgb name="eta" value="1, 2, 3"/></bsdf></scene>"#;
+    let scene = load(&[("scene.xml", scene)]).unwrap();
+    assert_eq!((scene.materials[0].conductor_eta, scene.materials[0].conductor_k), ([1.0, 2.0, 3.0], [1.0; 3]));
 }
 
 #[test]

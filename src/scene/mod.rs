@@ -13,11 +13,14 @@ pub mod light;
 pub mod load;
 pub mod material;
 mod mesh;
+mod metals;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
 mod plastic;
 pub mod ply;
+mod serialized;
+mod spectrum;
 pub mod texture;
 
 use std::ops::Range;

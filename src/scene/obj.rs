@@ -16,7 +16,8 @@ use crate::layout::Material;
 const OPTIONS: tobj::LoadOptions =
     tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
 
-/// Reads all faces as one mesh, without materials. Vertices are shared between groups, as the file shares them.
+/// Reads all faces as one mesh, without materials. Vertices are shared between groups, as the file shares them;
+/// texture coordinates are as the file gives them.
 pub(super) fn read_geometry(path: &Path) -> Result<Mesh> {
     let reader = Lines::open(path, &["g", "o", "usemtl", "mtllib", "s"])?;
     let (models, _) = read(path, reader, |_| Ok((Vec::new(), Default::default())))?;
@@ -69,7 +70,9 @@ pub fn load(path: &Path) -> Result<Scene> {
     }
     for model in models {
         let surface = model.mesh.material_id.and_then(|id| surfaces.get(id)).copied().unwrap_or(grey);
-        builder.mesh(WORLD, &model.name, to_mesh(model.mesh), DAffine3::IDENTITY, surface);
+        // In OBJ files v runs upwards.
+        let mesh = to_mesh(model.mesh).with_flipped_v(true);
+        builder.mesh(WORLD, &model.name, mesh, DAffine3::IDENTITY, surface);
     }
     builder.finish()
 }

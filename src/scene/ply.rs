@@ -67,16 +67,7 @@ pub fn read(path: &Path) -> Result<Mesh> {
             "the file has no element 'vertex' with data, or no element 'face': it is not a mesh",
         ));
     }
-    let count = mesh.positions.len();
-    if let Some((index, triangle)) =
-        mesh.triangles.iter().enumerate().find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= count))
-    {
-        let bad = triangle.iter().find(|vertex| **vertex as usize >= count).copied().unwrap_or_default();
-        return Err(Error::scene(
-            path,
-            format!("triangle {index} refers to vertex {bad}, and there are {count} vertices (0 to {})", count - 1),
-        ));
-    }
+    mesh.check_indices(path)?;
     Ok(mesh)
 }
 

@@ -4,9 +4,9 @@ use std::rc::Rc;
 
 use super::Loader;
 use super::object::{Colour, Object};
-use crate::error::{Result, one_of};
+use crate::error::{Result, all_of, one_of};
 use crate::scene::builder::Side;
-use crate::scene::material;
+use crate::scene::{material, metals};
 
 const SUPPORTED: [&str; 6] = ["diffuse", "conductor", "roughconductor", "dielectric", "roughdielectric", "twosided"];
 
@@ -81,16 +81,27 @@ impl Loader {
 }
 
 fn conductor(object: &Object, alpha: Option<[f32; 2]>) -> Result<crate::layout::Material> {
-    if let Some(name) = object.optional_text("material")?
-        && name != "none"
-    {
-        return Err(object.property_error(
-            "material",
-            format!("'{name}' is not supported: give 'eta' and 'k' (or 'none', a perfect mirror)"),
-        ));
-    }
-    let eta = object.colour("eta", Colour::Reflectance, 0.0)?.map(|channel| channel as f32);
-    let k = object.colour("k", Colour::Reflectance, 1.0)?.map(|channel| channel as f32);
+    let (eta, k) = match object.optional_text("material")?.filter(|name| *name != "none") {
+        Some(name) => {
+            if object.has("eta") || object.has("k") {
+                return Err(object.error(format!("{} has 'material' or 'eta' and 'k', not both", object.title())));
+            }
+            metals::index_of_refraction(name).ok_or_else(|| {
+                object.property_error(
+                    "material",
+                    format!("'{name}' is not known; give 'eta' and 'k', or one of {}", all_of(metals::names())),
+                )
+            })?
+        }
+        None => {
+            let (eta, k) = metals::MIRROR;
+            (
+                object.optional_colour("eta", Colour::Unbounded)?.unwrap_or(eta),
+                object.optional_colour("k", Colour::Unbounded)?.unwrap_or(k),
+            )
+        }
+    };
+    let [eta, k] = [eta, k].map(|index| index.map(|channel| channel as f32));
     let reflectance = object.reflectance("specular_reflectance", 1.0)?;
     Ok(material::conductor(eta, k, reflectance, alpha))
 }

@@ -41,6 +41,7 @@ pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
         loader.add(&child)?;
     }
     scene.finish()?;
+    loader.builder.warnings.extend(scene.take_warnings());
     loader.builder.finish()
 }
 

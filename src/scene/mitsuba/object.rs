@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::document::{Element, resolve};
 use super::transform;
 use crate::error::{Error, Result, all_of, one_of};
+use crate::scene::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
 
 /// Elements that are objects: they have a `type` and can be referred to by `id`.
 const OBJECTS: [&str; 9] = ["scene", "shape", "bsdf", "emitter", "sensor", "film", "sampler", "rfilter", "integrator"];
@@ -25,7 +26,11 @@ pub(super) struct Object {
     properties: BTreeMap<String, Property>,
     children: Vec<Child>,
     asked: RefCell<Vec<&'static str>>,
+    warnings: Warnings,
 }
+
+/// What the user should know about the scene; all of its objects share it.
+type Warnings = Rc<RefCell<Vec<String>>>;
 
 #[derive(Debug)]
 struct Property {
@@ -48,7 +53,8 @@ enum Value {
     Text(String),
     Vector(DVec3),
     Rgb([f64; 3]),
-    Spectrum(f64),
+    Uniform(f64),
+    Spectrum(Spectrum),
     Transform(DAffine3),
 }
 
@@ -61,30 +67,29 @@ impl Value {
             Self::Text(_) => "a string",
             Self::Vector(_) => "a point or vector",
             Self::Rgb(_) => "an rgb colour",
-            Self::Spectrum(_) => "a spectrum",
+            Self::Uniform(_) | Self::Spectrum(_) => "a spectrum",
             Self::Transform(_) => "a transform",
         }
     }
 }
 
-/// What a colour stands for: a uniform spectrum is grey as a reflectance, but as an emission it is equal-energy white.
+/// What a colour stands for, which says how a spectrum becomes one: a uniform spectrum is grey as a reflectance or as an
+/// unbounded number (an index of refraction), but as an emission it is equal-energy white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Colour {
     Reflectance,
+    Unbounded,
     Emission,
 }
 
-/// CIE illuminant E of luminance 1 in linear sRGB, the colour of a uniform emission spectrum.
-const EQUAL_ENERGY_WHITE: [f64; 3] = [1.204_794, 0.948_292, 0.908_916];
-
 /// Turns the document into objects, with references resolved.
 pub(super) fn parse(root: &Element) -> Result<Rc<Object>> {
-    parse_object(root, &mut HashMap::new())
+    parse_object(root, &mut HashMap::new(), &Warnings::default())
 }
 
 type Ids = HashMap<String, Rc<Object>>;
 
-fn parse_object(element: &Element, ids: &mut Ids) -> Result<Rc<Object>> {
+fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result<Rc<Object>> {
     let allowed: &[&str] = if element.tag == "scene" { &["version"] } else { &["type", "id", "name", "version"] };
     if let Some(unknown) = element.attributes.keys().find(|name| !allowed.contains(&name.as_str())) {
         return Err(element.error(format!(
@@ -103,10 +108,11 @@ fn parse_object(element: &Element, ids: &mut Ids) -> Result<Rc<Object>> {
         properties: BTreeMap::new(),
         children: Vec::new(),
         asked: RefCell::default(),
+        warnings: warnings.clone(),
     };
     for child in &element.children {
         if OBJECTS.contains(&child.tag.as_str()) && child.tag != "scene" {
-            object.children.push(Child { object: parse_object(child, ids)?, used: Cell::new(false) });
+            object.children.push(Child { object: parse_object(child, ids, warnings)?, used: Cell::new(false) });
         } else if child.tag == "ref" {
             let id = child.attribute("id")?;
             let found = ids.get(id).ok_or_else(|| {
@@ -143,7 +149,7 @@ fn sorted(ids: &Ids) -> Vec<&String> {
 
 fn parse_property(element: &Element) -> Result<(String, Value)> {
     let supported =
-        "float, integer, boolean, string, point, vector, rgb, spectrum, transform, ref, default and include";
+        "float, integer, boolean, string, point, vector, rgb, srgb, spectrum, transform, ref, default and include";
     let wrong = |what: &str| {
         element.error(format!(
             "<{}> '{}': '{}' is not {what}",
@@ -163,19 +169,21 @@ fn parse_property(element: &Element) -> Result<(String, Value)> {
         "string" => Value::Text(element.attribute("value")?.to_owned()),
         "point" | "vector" => Value::Vector(vector(element, 0.0)?),
         "rgb" => {
-            let numbers = numbers(element.attribute("value")?).ok_or_else(|| wrong("one or three numbers"))?;
-            match numbers[..] {
-                [grey] => Value::Rgb([grey; 3]),
-                [r, g, b] => Value::Rgb([r, g, b]),
+            let text = element.attribute("value")?;
+            if text.trim_start().starts_with('#') {
+                return Err(wrong("one or three linear numbers; give a hexadecimal colour as <srgb>"));
+            }
+            match numbers(text).as_deref() {
+                Some([grey]) => Value::Rgb([*grey; 3]),
+                Some([r, g, b]) => Value::Rgb([*r, *g, *b]),
                 _ => return Err(wrong("one or three numbers")),
             }
         }
-        "spectrum" => {
-            let text = element.attribute("value")?;
-            Value::Spectrum(
-                number(text).ok_or_else(|| wrong("a number (a uniform spectrum); give other spectra as <rgb>"))?,
-            )
+        "srgb" => {
+            let decoded = decode_srgb(element.attribute("value")?);
+            Value::Rgb(decoded.ok_or_else(|| wrong("a colour such as #a0b1c2, or three numbers in 0 to 1"))?)
         }
+        "spectrum" => parse_spectrum(element)?,
         "transform" => Value::Transform(transform::parse(element)?),
         tag => {
             return Err(element.error(format!(
@@ -185,6 +193,28 @@ fn parse_property(element: &Element) -> Result<(String, Value)> {
         }
     };
     Ok((element.attribute("name")?.to_owned(), value))
+}
+
+/// A uniform spectrum or `wavelength:value` pairs as `value`, or a file of them as `filename`.
+fn parse_spectrum(element: &Element) -> Result<Value> {
+    let wrong = |message: String| element.error(format!("<spectrum> '{}': {message}", name_of(element)));
+    match (element.attributes.get("value"), element.attributes.get("filename")) {
+        (Some(text), None) => match number(text) {
+            Some(level) => Ok(Value::Uniform(level)),
+            None if text.contains(':') => Spectrum::parse(text).map(Value::Spectrum).map_err(wrong),
+            None => {
+                Err(wrong(format!("'{text}' is neither a number nor wavelength:value pairs such as 400:0.1, 700:0.5")))
+            }
+        },
+        (None, Some(name)) => {
+            let file = resolve(&element.file, name);
+            Spectrum::read(&file).map(Value::Spectrum).map_err(|error| match error {
+                Error::File { cause, .. } => wrong(format!("cannot read {}: {cause}", file.display())),
+                other => other,
+            })
+        }
+        _ => Err(wrong(String::from("it needs the attribute 'value' or 'filename', one of the two"))),
+    }
 }
 
 fn name_of(element: &Element) -> &str {
@@ -342,18 +372,42 @@ impl Object {
     /// A colour in linear sRGB, if it is given.
     pub fn optional_colour(&self, name: &'static str, role: Colour) -> Result<Option<[f64; 3]>> {
         let Some(property) = self.find(name) else { return Ok(None) };
-        let colour = match property.value {
-            Value::Rgb(rgb) => rgb,
-            Value::Float(grey) => [grey; 3],
-            Value::Integer(grey) => [grey as f64; 3],
-            Value::Spectrum(level) if role == Colour::Emission => EQUAL_ENERGY_WHITE.map(|channel| channel * level),
-            Value::Spectrum(level) => [level; 3],
+        let colour = match &property.value {
+            Value::Rgb(rgb) => *rgb,
+            Value::Float(grey) => [*grey; 3],
+            Value::Integer(grey) => [*grey as f64; 3],
+            Value::Uniform(level) if role == Colour::Emission => EQUAL_ENERGY_WHITE.map(|channel| channel * level),
+            Value::Uniform(level) => [*level; 3],
+            Value::Spectrum(spectrum) => self.clamped(name, property, spectrum, role),
             _ => return Err(self.wrong_kind(name, property, "a colour (rgb, spectrum or float)")),
         };
         if colour.iter().any(|channel| *channel < 0.0) {
             return Err(self.property_error(name, format!("{colour:?} is negative")));
         }
         Ok(Some(colour))
+    }
+
+    /// A spectrum's colour; what linear sRGB cannot hold is clamped, as Mitsuba does, with a warning.
+    fn clamped(&self, name: &str, property: &Property, spectrum: &Spectrum, role: Colour) -> [f64; 3] {
+        let illuminant = if role == Colour::Emission { Illuminant::EqualEnergy } else { Illuminant::D65 };
+        let most = if role == Colour::Reflectance { 1.0 } else { f64::INFINITY };
+        let colour = spectrum.linear_srgb(illuminant);
+        let clamped = colour.map(|channel| channel.clamp(0.0, most));
+        if clamped != colour {
+            let ([r, g, b], range) = (colour, if most == 1.0 { "0 to 1" } else { "0 or more" });
+            self.warnings.borrow_mut().push(format!(
+                "{}:{}: '{name}' of {}: the spectrum's colour in linear sRGB is ({r:.4}, {g:.4}, {b:.4}); it was clamped to {range}",
+                self.file.display(),
+                property.line,
+                self.title()
+            ));
+        }
+        clamped
+    }
+
+    /// What the user should know about the scene that this object belongs to.
+    pub fn take_warnings(&self) -> Vec<String> {
+        self.warnings.take()
     }
 
     /// A colour in linear sRGB.
