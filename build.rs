@@ -1,12 +1,13 @@
 //! Compiles every shader: technique x pass x backend from the table in `src/integrator.rs`, and the kernels in
 //! `shaders/test` and `shaders/rays`. A shader is compiled again only when its text, or that of a file it includes, has changed.
 
-use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 #[allow(dead_code)]
 #[path = "src/backend.rs"]
@@ -62,6 +63,17 @@ fn variants() -> Vec<Variant> {
             }
         }
     }
+    // Each again without what many scenes do without.
+    let lean: Vec<Variant> = all
+        .iter()
+        .map(|full| Variant {
+            name: format!("{}.lean", full.name),
+            file: full.file.clone(),
+            backend: full.backend,
+            defines: full.defines.iter().cloned().chain([String::from("LEAN")]).collect(),
+        })
+        .collect();
+    all.extend(lean);
     all
 }
 
@@ -109,7 +121,7 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
     let mut options = shaderc::CompileOptions::new().map_err(|error| error.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_target_spirv(shaderc::SpirvVersion::V1_5);
-    options.set_optimization_level(shaderc::OptimizationLevel::Zero);
+    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
     options.set_warnings_as_errors();
     for define in &variant.defines {
         options.add_macro_definition(define, Some("1"));
@@ -122,6 +134,16 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
         .compile_into_spirv(&text, shaderc::ShaderKind::Compute, &source, "main", Some(&options))
         .map_err(|error| format!("{} for backend {}:\n{error}", variant.name, variant.backend.name))?;
     Ok(artifact.as_binary_u8().to_vec())
+}
+
+/// The file that holds a variant's SPIR-V, compiled unless it is there already.
+fn make(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path, modules: &Path) -> Result<PathBuf, String> {
+    let path =
+        modules.join(format!("{}-{:016x}.spv", variant.name.replace('/', "-"), fingerprint(variant, generated)?));
+    if !path.exists() {
+        write_if_changed(&path, &compile(compiler, variant, generated)?)?;
+    }
+    Ok(path)
 }
 
 fn write_if_changed(path: &Path, text: &[u8]) -> Result<(), String> {
@@ -157,22 +179,40 @@ fn run() -> Result<(), String> {
         println!("cargo:rerun-if-changed={source}");
     }
 
-    let compiler = shaderc::Compiler::new().map_err(|error| error.to_string())?;
-    let errors = RefCell::new(Vec::new());
-    let mut table = String::from("pub(crate) static MODULES: &[(&str, &[u8])] = &[\n");
-    for variant in variants() {
-        let path =
-            modules.join(format!("{}-{:016x}.spv", variant.name.replace('/', "-"), fingerprint(&variant, &generated)?));
-        if !path.exists() {
-            match compile(&compiler, &variant, &generated) {
-                Ok(binary) => write_if_changed(&path, &binary)?,
-                Err(error) => errors.borrow_mut().push(error),
-            }
+    // Compiling takes a second or so each: every core takes the next one until none is left.
+    let all = variants();
+    let next = AtomicUsize::new(0);
+    let results: Mutex<Vec<(usize, Result<PathBuf, String>)>> = Mutex::default();
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                let compiler = shaderc::Compiler::new().map_err(|error| error.to_string());
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(variant) = all.get(index) else { break };
+                    let made = compiler
+                        .as_ref()
+                        .map_err(Clone::clone)
+                        .and_then(|compiler| make(compiler, variant, &generated, &modules));
+                    results.lock().unwrap_or_else(PoisonError::into_inner).push((index, made));
+                }
+            });
         }
-        let _ = writeln!(table, "    ({:?}, include_bytes!({:?})),", variant.name, path.display().to_string());
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|(index, _)| *index);
+    let mut errors = Vec::new();
+    let mut table = String::from("pub(crate) static MODULES: &[(&str, &[u8])] = &[\n");
+    for (index, made) in results {
+        match made {
+            Ok(path) => {
+                let _ =
+                    writeln!(table, "    ({:?}, include_bytes!({:?})),", all[index].name, path.display().to_string());
+            }
+            Err(error) => errors.push(error),
+        }
     }
     table.push_str("];\n");
-    let errors = errors.into_inner();
     if !errors.is_empty() {
         return Err(errors.join("\n"));
     }

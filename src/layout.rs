@@ -721,6 +721,12 @@ macro_rules! specialisation {
             pub fn words(&self) -> Vec<(u32, u32)> {
                 vec![$( ($id, self.$field.word()) ),*]
             }
+
+            /// Whether it does without everything that a lean module lacks.
+            pub fn is_lean(&self) -> bool {
+                let all = [$( (stringify!($name), self.$field.word()) ),*];
+                all.iter().all(|(name, word)| *word == 0 || !RARE.contains(name))
+            }
         }
     };
 }
@@ -842,6 +848,27 @@ specialisation! {
     27 param3 PARAM3: uint;
 }
 
+/// What many scenes do without: in a lean module these are false already, because a driver takes its time to read and drop
+/// what a specialisation leaves out.
+pub const RARE: &[&str] = &[
+    "HAS_THIN_DIELECTRIC",
+    "HAS_PLASTIC",
+    "HAS_ROUGH_PLASTIC",
+    "HAS_PRINCIPLED",
+    "HAS_LAYERED",
+    "HAS_BLENDS",
+    "HAS_MATERIAL_TEXTURES",
+    "HAS_UVS",
+    "HAS_TANGENTS",
+    "HAS_MASKS",
+    "HAS_TEXTURED_LIGHTS",
+    "HAS_PROJECTORS",
+    "HAS_ENVIRONMENT",
+    "HAS_BECKMANN",
+    "HAS_ABSORPTION",
+    "HAS_COLOURS",
+];
+
 /// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
 pub const INLINE_FIRST_ID: u32 = 100;
 
@@ -854,8 +881,13 @@ pub fn glsl() -> String {
     text.push('\n');
     for constant in SPECIALISATION {
         let default = if constant.kind == "bool" { "false" } else { "1" }; // 1: some are sizes of arrays
-        text +=
-            &format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
+        let special =
+            format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
+        if RARE.contains(&constant.name) {
+            text += &format!("#ifdef LEAN\nconst bool {} = false;\n#else\n{special}#endif\n", constant.name);
+        } else {
+            text += &special;
+        }
     }
     text.push('\n');
     for shared in STRUCTS {

@@ -49,10 +49,11 @@ impl Kernel {
         };
         settings.needs(scene).specialise(&mut special);
         special.camera = settings.image_plane(scene)?.kind;
+        let name = if special.is_lean() { format!("{name}.lean") } else { name.to_owned() };
         let mut constants = special.words();
         let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
         constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
-        let pipeline = Pipeline::new(gpu, name, &constants, settings.backend == Backend::RayQuery)?;
+        let pipeline = Pipeline::new(gpu, &name, &constants, settings.backend == Backend::RayQuery)?;
         let bindings = pipeline.bind(&uploaded.uniforms, uploaded.tlas.as_ref())?;
         Ok(Self {
             pipeline,
