@@ -146,6 +146,29 @@ impl SceneBuilder {
         &mut self.materials[material]
     }
 
+    /// Texels of a texture's image across and down; 1 x 1 of a pattern.
+    pub(super) fn texture_size(&self, texture: u32) -> [u32; 2] {
+        match self.textures[texture as usize].pattern {
+            Pattern::Checkerboard(..) => [1; 2],
+            Pattern::Image(image) => [self.images[image].width, self.images[image].height],
+        }
+    }
+
+    /// A copy of a material, and of those that it blends, whose textures are changed.
+    pub(super) fn changed_material(&mut self, material: usize, change: impl Fn(&mut MaterialTextures) + Copy) -> usize {
+        let mut copy = self.materials[material].clone();
+        if copy.record.kind == MATERIAL_BLEND {
+            let mut blend = self.blends[copy.record.detail as usize];
+            blend.first = self.changed_material(blend.first as usize, change) as u32;
+            blend.second = self.changed_material(blend.second as usize, change) as u32;
+            self.blends.push(blend);
+            copy.record.detail = self.blends.len() as u32 - 1;
+        } else {
+            change(&mut copy.textures);
+        }
+        self.material(copy)
+    }
+
     /// Adds a material that is the second of two with this probability, which a texture may multiply, else the first.
     pub fn blend(&mut self, first: usize, second: usize, weight: f64, texture: Option<u32>) -> usize {
         self.blends.push(Blend {

@@ -98,7 +98,7 @@ impl Camera {
     }
 
     /// Tangent of half the angle that the image's width spans.
-    fn tan_half_width(&self, width: f64, height: f64) -> f64 {
+    pub(super) fn tan_half_width(&self, width: f64, height: f64) -> f64 {
         let tan = (self.fov.to_radians() / 2.0).tan();
         let of_height = tan * width / height;
         match self.axis {

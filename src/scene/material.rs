@@ -1,5 +1,6 @@
 //! Materials as the shaders take them, made from physical parameters.
 
+use super::plastic::Coating;
 use crate::layout::{
     Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
     MATERIAL_HAS_TRANSMISSION, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
@@ -85,23 +86,23 @@ pub fn thin_dielectric(eta: f32, reflectance: [f32; 3], transmittance: [f32; 3])
     Material { eta, reflectance, transmittance, ..record(MATERIAL_THIN_DIELECTRIC, MATERIAL_HAS_TRANSMISSION) }
 }
 
-/// A diffuse base under a coating of relative index `eta`, smooth where `alpha` is nothing; `nonlinear` lets light that the
+/// A diffuse base under a coating of relative index `eta`, smooth where `coating` is nothing; `nonlinear` lets light that the
 /// coating throws back take on the base's colour each time.
 pub fn plastic(
     eta: f32,
     diffuse: [f32; 3],
     specular: [f32; 3],
     nonlinear: bool,
-    alpha: Option<f32>,
+    coating: Option<Coating>,
 ) -> MaterialDescription {
     let mean = |rgb: [f32; 3]| rgb.iter().sum::<f32>() / 3.0;
     let (diffuse_mean, specular_mean) = (mean(diffuse), mean(specular));
-    let kind = if alpha.is_some() { MATERIAL_ROUGH_PLASTIC } else { MATERIAL_PLASTIC };
-    let (table, inside) = match alpha {
-        Some(alpha) => super::plastic::rough_coating(f64::from(alpha), f64::from(eta)),
+    let kind = if coating.is_some() { MATERIAL_ROUGH_PLASTIC } else { MATERIAL_PLASTIC };
+    let (table, inside) = match coating {
+        Some(coating) => super::plastic::rough_coating(coating, f64::from(eta)),
         None => (Vec::new(), super::plastic::diffuse_reflectance(1.0 / f64::from(eta))),
     };
-    let alpha = alpha.unwrap_or_default();
+    let alpha = coating.map_or(0.0, |coating| coating.alpha);
     let total = diffuse_mean + specular_mean;
     let detail = Plastic {
         specular,

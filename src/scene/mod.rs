@@ -17,7 +17,7 @@ mod metals;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
-mod plastic;
+pub mod plastic;
 pub mod ply;
 mod serialized;
 mod spectrum;

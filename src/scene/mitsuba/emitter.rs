@@ -1,13 +1,16 @@
 //! `<emitter>`: lights that stand on their own. Area lights belong to their shape.
 
-use glam::DVec3;
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::Result;
+use crate::scene::Camera;
+use crate::scene::image_file::Encoding;
 use crate::scene::light::Lamp;
+use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
-const SUPPORTED: [&str; 4] = ["point", "spot", "directional", "constant"];
+const SUPPORTED: [&str; 6] = ["point", "spot", "directional", "projector", "constant", "envmap"];
 
 impl Loader {
     pub(super) fn add_emitter(&mut self, object: &Object) -> Result<()> {
@@ -30,13 +33,17 @@ impl Loader {
                 if beam_width > cutoff || cutoff > 180.0 {
                     return Err(object.error(format!("a spot's beam_width ({beam_width}) must not exceed its cutoff_angle ({cutoff}), nor that 180 degrees")));
                 }
+                let texture = match object.texture("texture") {
+                    Some(texture) => Some((self.make_texture(&texture)?, axes_of(&to_world))),
+                    None => None,
+                };
                 self.builder.lamps.push(Lamp::Spot {
                     position: to_world.translation,
                     direction: to_world.transform_vector3(DVec3::Z).normalize(),
                     intensity: object.colour("intensity", Colour::Emission, 1.0)?,
                     cutoff: cutoff.to_radians(),
                     beam_width: beam_width.to_radians(),
-                    texture: None,
+                    texture,
                 });
             }
             "directional" => {
@@ -52,10 +59,39 @@ impl Loader {
                 let irradiance = object.colour("irradiance", Colour::Emission, 1.0)?;
                 self.builder.lamps.push(Lamp::Directional { direction, irradiance });
             }
+            "projector" => {
+                let to_world = object.transform("to_world")?;
+                let texture = object
+                    .texture("irradiance")
+                    .ok_or_else(|| object.error("a projector needs the texture 'irradiance'"))?;
+                let texture = self.make_texture(&texture)?;
+                let (fov, axis) = super::sensor::field_of_view(object)?;
+                let mean = self.builder.texture_mean(texture);
+                let [width, height] = self.builder.texture_size(texture);
+                let half_width =
+                    Camera::new("projector", to_world, fov, axis).tan_half_width(f64::from(width), f64::from(height));
+                self.builder.lamps.push(Lamp::Projector {
+                    position: to_world.translation,
+                    axes: axes_of(&to_world),
+                    texture,
+                    irradiance: [object.float("scale", 1.0)?; 3],
+                    tangents: [half_width, half_width * f64::from(height) / f64::from(width)],
+                    mean,
+                });
+            }
+            "envmap" => {
+                self.only_environment(object)?;
+                let image = self.image(object, Encoding::Srgb)?;
+                let mut texture = TextureDescription::new(Pattern::Image(image));
+                texture.wrap = [Wrap::Repeat, Wrap::Clamp];
+                let scale = object.float("scale", 1.0)?;
+                let axes = object.transform("to_world")?.matrix3;
+                let texture = self.builder.texture(texture);
+                self.builder.background = Some([scale; 3]);
+                self.builder.environment = Some((texture, axes));
+            }
             "constant" => {
-                if self.builder.background.is_some() {
-                    return Err(object.error("the scene has two environments, and may have one"));
-                }
+                self.only_environment(object)?;
                 self.builder.background = Some(object.colour("radiance", Colour::Emission, 1.0)?);
             }
             "area" => return Err(object.error("an area light must be inside the shape that emits")),
@@ -63,4 +99,17 @@ impl Loader {
         }
         object.finish()
     }
+
+    fn only_environment(&self, object: &Object) -> Result<()> {
+        if self.builder.background.is_some() {
+            return Err(object.error("the scene has two environments, and may have one"));
+        }
+        Ok(())
+    }
+}
+
+/// The axes of a light's own space in the world, unit.
+fn axes_of(to_world: &DAffine3) -> DMat3 {
+    let m = to_world.matrix3;
+    DMat3::from_cols(m.x_axis.normalize(), m.y_axis.normalize(), m.z_axis.normalize())
 }

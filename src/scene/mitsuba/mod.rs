@@ -11,15 +11,18 @@ mod integrator;
 mod object;
 mod sensor;
 mod shape;
+mod texture;
 mod transform;
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::builder::{SceneBuilder, Side};
+use super::builder::SceneBuilder;
+use super::image_file::Encoding;
 use crate::error::{Error, Result};
 use crate::scene::Scene;
+use bsdf::Sides;
 use object::Object;
 
 /// Parameters of the scene that the caller sets: `-D name=value`.
@@ -36,7 +39,13 @@ pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
         ));
     }
     let scene = object::parse(&root)?;
-    let mut loader = Loader { builder: SceneBuilder::new(path), materials: HashMap::new(), groups: HashMap::new() };
+    let mut loader = Loader {
+        builder: SceneBuilder::new(path),
+        materials: HashMap::new(),
+        groups: HashMap::new(),
+        textures: HashMap::new(),
+        images: HashMap::new(),
+    };
     for child in scene.objects() {
         loader.add(&child)?;
     }
@@ -48,7 +57,9 @@ pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
 /// What has been made so far; objects that several places refer to are made once.
 struct Loader {
     builder: SceneBuilder,
-    materials: HashMap<*const Object, (Side, Side)>,
+    materials: HashMap<*const Object, Sides>,
+    textures: HashMap<*const Object, u32>,
+    images: HashMap<(PathBuf, Encoding), usize>,
     groups: HashMap<*const Object, usize>,
 }
 
@@ -57,11 +68,12 @@ impl Loader {
         match object.tag.as_str() {
             "shape" => self.add_shape(object, super::builder::WORLD),
             "bsdf" => self.material(object).map(|_| ()),
+            "texture" => self.make_texture(object).map(|_| ()),
             "emitter" => self.add_emitter(object),
             "sensor" => self.add_sensor(object),
             "integrator" => self.set_integrator(object),
             tag => Err(object.error(format!(
-                "<{tag}> is not supported here; supported are shape, bsdf, emitter, sensor and integrator"
+                "<{tag}> is not supported here; supported are shape, bsdf, texture, emitter, sensor and integrator"
             ))),
         }
     }

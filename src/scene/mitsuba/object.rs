@@ -13,7 +13,8 @@ use crate::error::{Error, Result, all_of, one_of};
 use crate::scene::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
 
 /// Elements that are objects: they have a `type` and can be referred to by `id`.
-const OBJECTS: [&str; 9] = ["scene", "shape", "bsdf", "emitter", "sensor", "film", "sampler", "rfilter", "integrator"];
+const OBJECTS: [&str; 10] =
+    ["scene", "shape", "bsdf", "texture", "emitter", "sensor", "film", "sampler", "rfilter", "integrator"];
 
 /// One object of the scene.
 #[derive(Debug)]
@@ -41,6 +42,7 @@ struct Property {
 
 #[derive(Debug)]
 struct Child {
+    name: Option<String>,
     object: Rc<Object>,
     used: Cell<bool>,
 }
@@ -112,7 +114,8 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
     };
     for child in &element.children {
         if OBJECTS.contains(&child.tag.as_str()) && child.tag != "scene" {
-            object.children.push(Child { object: parse_object(child, ids, warnings)?, used: Cell::new(false) });
+            let name = child.attributes.get("name").cloned();
+            object.children.push(Child { name, object: parse_object(child, ids, warnings)?, used: Cell::new(false) });
         } else if child.tag == "ref" {
             let id = child.attribute("id")?;
             let found = ids.get(id).ok_or_else(|| {
@@ -123,7 +126,8 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
                 };
                 child.error(format!("<ref> to the unknown id '{id}'; {known}"))
             })?;
-            object.children.push(Child { object: found.clone(), used: Cell::new(false) });
+            let name = child.attributes.get("name").cloned();
+            object.children.push(Child { name, object: found.clone(), used: Cell::new(false) });
         } else {
             let (name, value) = parse_property(child)?;
             let property = Property { value, line: child.line, used: Cell::new(false) };
@@ -449,6 +453,15 @@ impl Object {
             .collect()
     }
 
+    /// The texture that stands for a property, if there is one.
+    pub fn texture(&self, name: &'static str) -> Option<Rc<Object>> {
+        self.asked.borrow_mut().push(name);
+        let child =
+            self.children.iter().find(|child| child.object.tag == "texture" && child.name.as_deref() == Some(name))?;
+        child.used.set(true);
+        Some(child.object.clone())
+    }
+
     /// At most one object within of one kind.
     pub fn object_of(&self, tag: &str) -> Result<Option<Rc<Object>>> {
         let mut found = self.objects_of(tag);
@@ -473,6 +486,9 @@ impl Object {
             ));
         }
         match self.children.iter().find(|child| !child.used.get()) {
+            Some(Child { name: Some(name), object, .. }) if object.tag == "texture" => {
+                Err(self.error(format!("'{name}' of {} is a texture, and must be a value", self.title())))
+            }
             Some(child) => {
                 Err(child.object.error(format!("<{}> is not supported within {}", child.object.tag, self.title())))
             }

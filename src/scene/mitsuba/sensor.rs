@@ -3,7 +3,7 @@
 use super::Loader;
 use super::object::Object;
 use crate::error::{Result, one_of};
-use crate::scene::camera::{Camera, FovAxis};
+use crate::scene::camera::{Camera, FovAxis, Projection};
 use crate::scene::filter::Filter;
 
 const AXES: [(&str, FovAxis); 5] = [
@@ -19,11 +19,22 @@ const SAMPLERS: [&str; 5] = ["independent", "stratified", "multijitter", "orthog
 
 impl Loader {
     pub(super) fn add_sensor(&mut self, object: &Object) -> Result<()> {
-        if object.plugin != "perspective" {
-            return Err(object.unknown_plugin(&["perspective"]));
-        }
         let to_world = object.transform("to_world")?;
-        let (fov, axis) = field_of_view(object)?;
+        let (projection, (fov, axis)) = match object.plugin.as_str() {
+            "perspective" => (Projection::Pinhole, field_of_view(object)?),
+            "thinlens" => {
+                let radius = object
+                    .optional_float("aperture_radius")?
+                    .ok_or_else(|| object.error("a thinlens needs 'aperture_radius'"))?;
+                if radius < 0.0 {
+                    return Err(object.property_error("aperture_radius", format!("{radius} is negative")));
+                }
+                let focus = object.positive_float("focus_distance", 1e4)?;
+                (Projection::ThinLens { radius, focus }, field_of_view(object)?)
+            }
+            "orthographic" => (Projection::Orthographic, (45.0, FovAxis::X)),
+            _ => return Err(object.unknown_plugin(&["perspective", "thinlens", "orthographic"])),
+        };
         // Clipping hides geometry from the camera; a scene that relies on it would look wrong silently.
         let (near, far) = (object.positive_float("near_clip", 1e-2)?, object.positive_float("far_clip", 1e4)?);
         if near >= far {
@@ -33,7 +44,7 @@ impl Loader {
             [object.float("principal_point_offset_x", 0.0)?, object.float("principal_point_offset_y", 0.0)?];
         let first = self.builder.cameras.is_empty();
         let name = object.id.clone().unwrap_or_else(|| format!("camera{}", self.builder.cameras.len()));
-        self.builder.cameras.push(Camera { principal_point, ..Camera::new(&name, to_world, fov, axis) });
+        self.builder.cameras.push(Camera { principal_point, projection, ..Camera::new(&name, to_world, fov, axis) });
 
         if let Some(film) = object.object_of("film")? {
             self.read_film(&film, first)?;
@@ -68,7 +79,32 @@ impl Loader {
                 .filter(|value| (1..=65536).contains(value))
                 .ok_or_else(|| film.property_error(name, format!("{value} is not in 1 to 65536")))
         };
-        let (width, height) = (size("width", 768)?, size("height", 576)?);
+        let (mut width, mut height) = (size("width", 768)?, size("height", 576)?);
+        if ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"].iter().any(|name| film.has(name)) {
+            let (whole_width, whole_height) = (width, height);
+            let offset = |name: &'static str| -> Result<u32> {
+                let value = film.optional_integer(name)?.unwrap_or(0);
+                u32::try_from(value).map_err(|_| film.property_error(name, format!("{value} is negative")))
+            };
+            let (left, top) = (offset("crop_offset_x")?, offset("crop_offset_y")?);
+            (width, height) = (size("crop_width", i64::from(width))?, size("crop_height", i64::from(height))?);
+            if u64::from(left) + u64::from(width) > u64::from(whole_width)
+                || u64::from(top) + u64::from(height) > u64::from(whole_height)
+            {
+                return Err(film.error(format!(
+                    "the crop of {width} x {height} pixels at ({left}, {top}) does not fit into {whole_width} x {whole_height}"
+                )));
+            }
+            let share = |part: u32, whole: u32| f64::from(part) / f64::from(whole);
+            if let Some(camera) = self.builder.cameras.last_mut() {
+                camera.window = [
+                    share(left, whole_width),
+                    share(top, whole_height),
+                    share(width, whole_width),
+                    share(height, whole_height),
+                ];
+            }
+        }
         for ignored in ["file_format", "pixel_format", "component_format"] {
             film.optional_text(ignored)?; // what is written is the command line's business
         }
@@ -83,7 +119,7 @@ impl Loader {
     }
 }
 
-fn field_of_view(object: &Object) -> Result<(f64, FovAxis)> {
+pub(super) fn field_of_view(object: &Object) -> Result<(f64, FovAxis)> {
     let axis = object.optional_text("fov_axis")?;
     let focal_length = object.optional_text("focal_length")?;
     if let Some(fov) = object.optional_float("fov")? {

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::Loader;
+use super::bsdf::Sides;
 use super::object::{Colour, Object};
 use crate::error::{Error, Result};
 use crate::scene::builder::SurfaceDescription;
@@ -47,7 +48,8 @@ impl Loader {
                 }
                 let turned = flip != (to_world.matrix3.determinant() < 0.0);
                 let radius = radius * lengths[0] * if turned { -1.0 } else { 1.0 };
-                self.builder.sphere(group, &name, to_world.transform_point3(centre), radius, surface);
+                let axes = DMat3::from_cols(x, y, z);
+                self.builder.oriented_sphere(group, &name, to_world.transform_point3(centre), radius, axes, surface);
             }
             kind @ ("rectangle" | "disk") => {
                 // The normal follows the inverse transpose, whatever the map does to the winding.
@@ -83,25 +85,30 @@ impl Loader {
         let emission = match object.object_of("emitter")? {
             None => None,
             Some(emitter) if emitter.plugin == "area" => {
-                let radiance = emitter.colour("radiance", Colour::Emission, 1.0)?;
+                let emission = match emitter.texture("radiance") {
+                    Some(texture) => ([1.0; 3], Some(self.make_texture(&texture)?)),
+                    None => (emitter.colour("radiance", Colour::Emission, 1.0)?, None),
+                };
                 emitter.finish()?;
-                Some(radiance)
+                Some(emission)
             }
             Some(emitter) => {
                 return Err(emitter.error(format!("a shape can only hold an area light, not {}", emitter.title())));
             }
         };
-        let (front, back) = match object.object_of("bsdf")? {
+        let sides = match object.object_of("bsdf")? {
             Some(bsdf) => self.material(&bsdf)?,
             // Mitsuba's defaults: grey, or black where the shape is a light.
-            None if emission.is_some() => (None, None),
-            None => (Some(self.builder.material(material::diffuse([0.5; 3]))), None),
+            None if emission.is_some() => Sides::default(),
+            None => Sides { front: Some(self.builder.material(material::diffuse([0.5; 3]))), ..Sides::default() },
         };
+        let (emission, emission_texture) = emission.unwrap_or_default();
         Ok(self.builder.surface(SurfaceDescription {
-            front,
-            back,
-            emission: emission.unwrap_or([0.0; 3]),
-            ..SurfaceDescription::default()
+            front: sides.front,
+            back: sides.back,
+            emission,
+            emission_texture,
+            mask: sides.mask,
         }))
     }
 
