@@ -2,6 +2,7 @@
 //! that it is right.
 
 use glam::{DVec3, Vec3};
+use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
@@ -65,13 +66,25 @@ pub fn primitive_bounds(primitive: &Primitive) -> Bounds {
     Bounds { min: v0.min(v1).min(v2), max: v0.max(v1).max(v2) }
 }
 
+impl Boundable for Bounds {
+    fn aabb(&self) -> Aabb {
+        Aabb::new(self.min.into(), self.max.into())
+    }
+}
+
+/// Trees are built over the primitives as they are: a list of their boxes would take most of the memory that they do.
+impl Boundable for Primitive {
+    fn aabb(&self) -> Aabb {
+        primitive_bounds(self).aabb()
+    }
+}
+
 impl Bvh {
-    /// Builds a tree. No box at all gives a root without children.
-    pub fn build(boxes: &[Bounds]) -> Self {
+    /// Builds a tree over boxes, or over primitives. No box at all gives a root without children.
+    pub fn build<T: Boundable>(boxes: &[T]) -> Self {
         if boxes.is_empty() {
             return Self { nodes: vec![CwBvhNode::default()], order: Vec::new(), depth: 1 };
         }
-        let boxes: Vec<Aabb> = boxes.iter().map(|b| Aabb::new(b.min.into(), b.max.into())).collect();
         let indices = (0..boxes.len() as u32).collect();
         // Reinsertion is what the quality of the tree comes from; its cost grows faster than the scene.
         let (search, reinsertion) = match boxes.len() {
@@ -79,7 +92,7 @@ impl Bvh {
             200_000..2_000_000 => (PlocSearchDistance::Medium, 0.15),
             _ => (PlocSearchDistance::Low, 0.02),
         };
-        let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, &boxes, indices, SortPrecision::U64, 2);
+        let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 2);
         ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
         let wide = bvh2_to_cwbvh(&binary, 3, true, false);
         let depth = depth_below(&wide.nodes);

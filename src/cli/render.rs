@@ -88,6 +88,10 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 
+    /// Compile everything there is into the kernel instead of what the scene needs: the same bits, to see what that buys
+    #[arg(long)]
+    no_specialise: bool,
+
     #[command(flatten)]
     device: DeviceArgs,
 
@@ -235,6 +239,7 @@ fn settle(
     scene.camera(args.camera.as_deref())?;
     settings.camera.clone_from(&args.camera);
     settings.seed = args.seed;
+    settings.specialise = !args.no_specialise;
     if let Some(Depth(depth)) = args.max_depth {
         settings.max_depth = depth;
     }

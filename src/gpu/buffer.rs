@@ -36,6 +36,32 @@ impl Buffer {
         Ok(buffer)
     }
 
+    /// A buffer of the elements of `data` in the order of `indices`.
+    pub fn gathered<T: Pod>(gpu: &Gpu, name: &str, data: &[T], indices: &[u32]) -> Result<Self> {
+        let size = size_of::<T>();
+        let buffer = Self::new(gpu, name, (size * indices.len()) as u64)?;
+        buffer.fill((size * indices.len()) as u64, size as u64, |offset, bytes| {
+            let first = offset as usize / size;
+            for (out, index) in bytes.chunks_exact_mut(size).zip(&indices[first..]) {
+                out.copy_from_slice(bytemuck::bytes_of(&data[*index as usize]));
+            }
+        })?;
+        Ok(buffer)
+    }
+
+    /// A buffer of several arrays, one after the other.
+    pub fn concatenated<T: Pod>(gpu: &Gpu, name: &str, parts: &[Vec<T>]) -> Result<Self> {
+        let total: usize = parts.iter().map(|part| size_of_val(part.as_slice())).sum();
+        let buffer = Self::new(gpu, name, total as u64)?;
+        let mut start = 0;
+        for part in parts {
+            let bytes: &[u8] = bytemuck::cast_slice(part);
+            buffer.upload_at(start, bytes)?;
+            start += bytes.len() as u64;
+        }
+        Ok(buffer)
+    }
+
     /// A buffer of `size` zero bytes.
     pub fn zeroed(gpu: &Gpu, name: &str, size: u64) -> Result<Self> {
         let buffer = Self::new(gpu, name, size)?;
@@ -114,10 +140,27 @@ impl Buffer {
 
     /// Writes `data` to its beginning.
     pub fn upload(&self, data: &[u8]) -> Result<()> {
-        if data.is_empty() {
+        self.upload_at(0, data)
+    }
+
+    /// Writes `data` from this byte on.
+    fn upload_at(&self, start: u64, data: &[u8]) -> Result<()> {
+        self.fill_at(start, data.len() as u64, 1, |offset, bytes| {
+            bytes.copy_from_slice(&data[offset as usize..offset as usize + bytes.len()]);
+        })
+    }
+
+    /// Writes `size` bytes to its beginning, which `make` puts, from an offset on, into the slice that it is given: whole
+    /// elements of `element` bytes.
+    fn fill(&self, size: u64, element: u64, make: impl FnMut(u64, &mut [u8])) -> Result<()> {
+        self.fill_at(0, size, element, make)
+    }
+
+    fn fill_at(&self, start: u64, size: u64, element: u64, mut make: impl FnMut(u64, &mut [u8])) -> Result<()> {
+        if size == 0 {
             return Ok(());
         }
-        let chunk = STAGING_BYTES.min(data.len() as u64);
+        let chunk = (STAGING_BYTES / element * element).min(size);
         let mut staging = Self::with_usage(
             &self.gpu,
             "staging for upload",
@@ -125,10 +168,13 @@ impl Buffer {
             vk::BufferUsageFlags::empty(),
             MemoryLocation::CpuToGpu,
         )?;
-        for (index, part) in data.chunks(chunk as usize).enumerate() {
-            staging.mapped()?[..part.len()].copy_from_slice(part);
-            let region = vk::BufferCopy::default().dst_offset(index as u64 * chunk).size(part.len() as u64);
+        let mut offset = 0;
+        while offset < size {
+            let part = chunk.min(size - offset);
+            make(offset, &mut staging.mapped()?[..part as usize]);
+            let region = vk::BufferCopy::default().dst_offset(start + offset).size(part);
             self.gpu.transfer(&format!("upload of '{}'", self.name), &staging, self, region)?;
+            offset += part;
         }
         Ok(())
     }

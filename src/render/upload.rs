@@ -1,16 +1,17 @@
 //! A scene on the device: its arrays, its acceleration structure, its uniforms.
 
 use glam::{DAffine3, Vec3};
+use obvhs::cwbvh::node::CwBvhNode;
 
 use super::settings::Settings;
 use crate::backend::Backend;
-use crate::bvh::{Bounds, Bvh, primitive_bounds};
+use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    self, Corners, INLINE_MAX, NODE_BYTES, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS,
-    UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
+    self, INLINE_MAX, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
+    UNIFORM_SURFACES, address,
 };
 use crate::scene::{Filter, Needs, Scene};
 
@@ -39,7 +40,8 @@ struct Built {
     instances: Vec<layout::Instance>,
     /// For each uploaded instance, its index in the scene.
     instance_order: Vec<u32>,
-    nodes: Vec<u8>,
+    /// The trees' nodes, to follow each other.
+    nodes: Vec<Vec<CwBvhNode>>,
     tlas: Option<Tlas>,
     stack_size: u32,
 }
@@ -53,18 +55,25 @@ impl Uploaded {
             && !needs.spheres
             && scene.primitives.len() <= INLINE_MAX as usize
             && settings.expected_samples >= INLINE_WORTHWHILE;
-        let built = match settings.backend {
+        let mut built = match settings.backend {
             Backend::Bvh => build_bvh(scene, &needs),
             Backend::RayQuery => build_ray_query(gpu, scene)?,
         };
-        let primitives: Vec<Primitive> = built.order.iter().map(|index| scene.primitives[*index as usize]).collect();
-        let corners: Vec<Corners> = if scene.corners.is_empty() {
-            Vec::new()
-        } else {
-            built.order.iter().map(|index| scene.corners[*index as usize]).collect()
-        };
-
         let mut buffers = Vec::new();
+        // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
+        let primitives = Buffer::gathered(gpu, "primitives", &scene.primitives, &built.order)?;
+        let corners = if scene.corners.is_empty() {
+            None
+        } else {
+            Some(Buffer::gathered(gpu, "corners", &scene.corners, &built.order)?)
+        };
+        let nodes = if built.nodes.is_empty() { None } else { Some(Buffer::concatenated(gpu, "nodes", &built.nodes)?) };
+        drop(std::mem::take(&mut built.nodes));
+        let places = [Some(&primitives), corners.as_ref(), nodes.as_ref()]
+            .map(|buffer| buffer.map_or([0; 2], |buffer| address(buffer.address())));
+        buffers.push(("primitives", primitives));
+        buffers.extend(corners.map(|buffer| ("corners", buffer)));
+        buffers.extend(nodes.map(|buffer| ("nodes", buffer)));
         let mut upload = |name: &'static str, bytes: &[u8]| -> Result<[u32; 2]> {
             if bytes.is_empty() {
                 return Ok([0, 0]);
@@ -105,9 +114,9 @@ impl Uploaded {
                 None => [0; 2],
             },
             background_probability: scene.background_probability,
-            nodes: upload("nodes", &built.nodes)?,
-            primitives: upload("primitives", bytemuck::cast_slice(&primitives))?,
-            corners: upload("corners", bytemuck::cast_slice(&corners))?,
+            nodes: places[2],
+            primitives: places[0],
+            corners: places[1],
             normals: upload("normals", bytemuck::cast_slice(&scene.normals))?,
             uvs: if needs.uvs { upload("texture coordinates", bytemuck::cast_slice(&scene.uvs))? } else { [0; 2] },
             tangents: if needs.tangents { upload("tangents", bytemuck::cast_slice(&scene.tangents))? } else { [0; 2] },
@@ -140,7 +149,11 @@ impl Uploaded {
             uniforms: Buffer::with_data(gpu, "scene uniforms", &block)?,
             tlas: built.tlas,
             stack_size: built.stack_size,
-            inline: if inline_fits { primitives } else { Vec::new() },
+            inline: if inline_fits {
+                built.order.iter().map(|index| scene.primitives[*index as usize]).collect()
+            } else {
+                Vec::new()
+            },
             buffers,
             order: built.order,
             instance_order: built.instance_order,
@@ -192,8 +205,7 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
     let mut trees = Vec::new();
     for group in &scene.groups {
         let range = group.primitives();
-        let boxes: Vec<Bounds> = scene.primitives[range.clone()].iter().map(primitive_bounds).collect();
-        let tree = Bvh::build(&boxes);
+        let tree = Bvh::build(&scene.primitives[range.clone()]);
         order.extend(tree.order.iter().map(|slot| range.start as u32 + slot));
         trees.push(tree);
     }
@@ -219,12 +231,12 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
         roots.push(next_root);
         next_root += tree.nodes.len() as u32;
     }
-    if let Some(top) = &top {
-        nodes.extend_from_slice(bytemuck::cast_slice(&top.nodes));
+    if let Some(top) = top {
         instances.extend(top.order.iter().map(|slot| {
             let placed = &scene.instances[*slot as usize];
             instance(&placed.to_world, roots[placed.group], 0)
         }));
+        nodes.push(top.nodes);
     }
     for ((tree, root), group) in trees.into_iter().zip(roots).zip(&scene.groups) {
         let mut placed = tree.nodes;
@@ -232,9 +244,8 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
             node.child_base_idx += root;
             node.primitive_base_idx += group.triangles.start;
         }
-        nodes.extend_from_slice(bytemuck::cast_slice(&placed));
+        nodes.push(placed);
     }
-    debug_assert_eq!(nodes.len() % NODE_BYTES as usize, 0);
     Built { order, instances, instance_order, nodes, tlas: None, stack_size }
 }
 
