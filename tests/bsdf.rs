@@ -270,9 +270,7 @@ fn bsdf_samples_follow_their_density() {
                     let sound = answer.pdf_w >= 0.0 && answer.pdf_w.is_finite();
                     findings.check(sound, || format!("{name}: density {}", answer.pdf_w));
                     expected[*cell] += f64::from(answer.pdf_w) * solid_angle * SAMPLES as f64;
-                    for channel in 0..3 {
-                        integral[channel] += f64::from(answer.value[channel]) * solid_angle;
-                    }
+                    integral.iter_mut().zip(answer.value).for_each(|(sum, f)| *sum += f64::from(f) * solid_angle);
                 }
                 let mut observed = vec![0.0; expected.len()];
                 let mut others = 0.0; // invalid, or of a delta lobe
@@ -351,19 +349,34 @@ fn bsdf_sample_eval_and_pdf_agree() {
     });
 }
 
-/// Mean weight, each channel's, with the radiance that crossed into a medium of index eta taken back to what it was.
-fn albedo(bench: &Bench, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> [f64; 3] {
-    let case = &bench.cases[material];
-    let eta = f64::from(case.material.record.eta);
-    let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
-    let mut sum = [0.0; 3];
-    for answer in bench.sample(material, wo, numbers) {
-        let crossed = case.transmits() && !case.thin && answer.sampled[2] * wo[2] < 0.0;
-        for channel in 0..3 {
-            sum[channel] += f64::from(answer.weight[channel]) * if crossed { eta * eta } else { 1.0 };
+/// Mean weight, each channel's, with the radiance that crossed into a medium of index eta taken back to what it was; of each
+/// of these materials.
+fn albedos(bench: &Bench, materials: &[usize], wo: [f32; 3], numbers: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let queries: Vec<_> = materials
+        .iter()
+        .flat_map(|material| {
+            let material = *material as u32;
+            numbers.iter().map(move |u| BsdfQuery { material, wo, wi: [0.0, 0.0, 1.0], u: *u })
+        })
+        .collect();
+    let answers = bench.ask(&queries);
+    let albedo = |(material, answers): (&usize, &[BsdfAnswer])| {
+        let case = &bench.cases[*material];
+        let eta = f64::from(case.material.record.eta);
+        let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
+        let mut sum = [0.0; 3];
+        for answer in answers {
+            let crossed = case.transmits() && !case.thin && answer.sampled[2] * wo[2] < 0.0;
+            let factor = if crossed { eta * eta } else { 1.0 };
+            sum.iter_mut().zip(answer.weight).for_each(|(sum, weight)| *sum += f64::from(weight) * factor);
         }
-    }
-    sum.map(|sum| sum / numbers.len() as f64)
+        sum.map(|sum| sum / answers.len() as f64)
+    };
+    materials.iter().zip(answers.chunks(numbers.len())).map(albedo).collect()
+}
+
+fn albedo(bench: &Bench, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> [f64; 3] {
+    albedos(bench, &[material], wo, numbers)[0]
 }
 
 /// No material gives back more than it gets; one that cannot lose anything gives all of it back.
@@ -502,16 +515,14 @@ fn energy_is_conserved_over_roughness_and_angle() {
             let cases: Vec<_> = cases.map(|case| if *name == "layered wall" { case.thin() } else { case }).collect();
             let bench = Bench::new(gpu, cases);
             let (mut most, mut least) = ((0.0f64, String::new()), f64::MAX);
-            for material in 0..bench.cases.len() {
-                for cos in ANGLES.into_iter().chain(ANGLES.map(|cos| -cos)) {
-                    if cos < 0.0 && !bench.cases[material].transmits() {
-                        continue;
-                    }
-                    let albedo = albedo(&bench, material, direction(cos, 0.7), &samples);
+            for cos in ANGLES.into_iter().chain(ANGLES.map(|cos| -cos)) {
+                let all: Vec<_> =
+                    (0..bench.cases.len()).filter(|index| cos > 0.0 || bench.cases[*index].transmits()).collect();
+                for (material, albedo) in all.iter().zip(albedos(&bench, &all, direction(cos, 0.7), &samples)) {
                     let peak = albedo.iter().copied().fold(0.0, f64::max);
                     least = least.min(peak);
                     if peak > most.0 {
-                        most = (peak, format!("roughness {}, cos {cos}", 0.05 * (material + 1) as f64));
+                        most = (peak, format!("roughness {:.2}, cos {cos}", 0.05 * (material + 1) as f64));
                     }
                 }
             }

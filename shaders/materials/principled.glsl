@@ -84,17 +84,18 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
         float denominator = (facet.near * facet.wo_h + facet.far * facet.wi_h) / facet.near;
         return sqrt(m.reflectance) * (bsdf * facet.passed * visible * abs(facet.wo_h * facet.wi_h / (wo.z * denominator * denominator)));
     }
-    vec3 value = principled_fresnel(m, p, facet.fresnel, facet.wo_h, front, bsdf) * (visible / (4.0 * abs(wo.z)));
+    float cos_h = half_cosine(wo, wi);
+    vec3 value = principled_fresnel(m, p, facet.fresnel, cos_h, front, bsdf) * (visible / (4.0 * abs(wo.z)));
     if (!front) return value;
     float cos_i = wi.z;
     if (p.clearcoat > 0.0) {
         vec2 coat = vec2(0.25);
         float shine = gtr1_d(facet.normal, principled_coat_alpha(p)) * ggx_g1(wo, coat) * ggx_g1(wi, coat) * cos_i;
-        value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), facet.wo_h, m.eta) * shine;
+        value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), cos_h, m.eta) * shine;
     }
     if (brdf > 0.0) {
         float fo = schlick_weight(wo.z), fi = schlick_weight(cos_i);
-        float retro = 2.0 * m.alpha_u * facet.wi_h * facet.wi_h;
+        float retro = 2.0 * m.alpha_u * cos_h * cos_h;
         float diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
         if (p.flatness > 0.0) {
             float ss90 = 0.5 * retro;
@@ -104,7 +105,7 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
         value += m.reflectance * (brdf * diffuse * cos_i * INV_PI);
         // Sheen goes with the diffuse lobe: without one, there is none.
         vec3 tint = p.sheen_tint > 0.0 ? mix(vec3(1.0), principled_tint(m), p.sheen_tint) : vec3(1.0);
-        value += tint * (p.sheen * (1.0 - p.metallic) * schlick_weight(abs(facet.wi_h)) * cos_i);
+        value += tint * (p.sheen * (1.0 - p.metallic) * schlick_weight(cos_h) * cos_i);
     }
     return value;
 }

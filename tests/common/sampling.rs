@@ -55,14 +55,14 @@ pub fn numbers(gpu: &Gpu, count: usize, seed: u32) -> Vec<[f32; 4]> {
     random(gpu, &queries).iter().map(|row| [row[0], row[1], row[2], row[3]]).collect()
 }
 
-/// Evenly spread points of the unit cube (Roberts 2018, the R3 sequence): what is averaged over them converges faster than
-/// over random ones.
-pub fn spread(count: usize) -> Vec<[f32; 3]> {
-    const PHI: f64 = 1.220_744_084_605_759_5; // the root of x^4 = x + 1
+/// Evenly spread points of the unit cube of `N` dimensions (Roberts 2018, the R sequence): what is averaged over them
+/// converges faster than over random ones.
+pub fn spread<const N: usize>(count: usize) -> Vec<[f32; N]> {
+    // The root of x^(N + 1) = x + 1.
+    let root = (0..50).fold(1.5f64, |x, _| (1.0 + x).powf(1.0 / (N + 1) as f64));
+    let steps: [f64; N] = std::array::from_fn(|axis| root.powi(-(axis as i32 + 1)));
     (0..count)
-        .map(|index| {
-            [1, 2, 3].map(|power| ((0.5 + (index + 1) as f64 / PHI.powi(power)).fract() as f32).min(0.999_999_9))
-        })
+        .map(|index| steps.map(|step| ((0.5 + (index + 1) as f64 * step).fract() as f32).min(0.999_999_9)))
         .collect()
 }
 
