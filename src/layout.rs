@@ -531,6 +531,38 @@ shared_structs! {
         delta: uint,
     }
 
+    /// A point that light is sampled at, and a direction to look in from there.
+    pub struct LightQuery {
+        /// The point, in coordinates of the scene's arrays.
+        point: vec3,
+        /// The direction, unit.
+        direction: vec3,
+        /// Numbers to sample a light with.
+        u: vec4,
+    }
+
+    /// The answer to a [`LightQuery`].
+    pub struct LightAnswer {
+        /// The sampled direction.
+        wi: vec3,
+        /// Radiance / density of the sample; of a delta light, irradiance on a facing surface / probability.
+        weight: vec3,
+        /// Density of the sample over solid angle; 0 where there is none.
+        pdf_w: float,
+        /// 1 where no direction hits the sampled light by chance.
+        delta: uint,
+        /// 1 where nothing stands between the point and the sample.
+        visible: uint,
+        /// Emission that a ray in the sampled direction finds.
+        found: vec3,
+        /// Density of choosing what it finds.
+        found_pdf_w: float,
+        /// Emission in the query's direction.
+        asked: vec3,
+        /// Density of choosing what lies there.
+        asked_pdf_w: float,
+    }
+
     /// A coordinate of the random numbers.
     pub struct RandomQuery {
         /// Pixel index.

@@ -8,8 +8,14 @@ use lumbre::layout::{SPECIALISATION, STRUCTS, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 5] =
-    ["path.pixels.bvh", "path.pixels.ray-query", "test/trace.bvh", "test/bsdf.bvh", "test/random.bvh"];
+const MODULES: [&str; 6] = [
+    "path.pixels.bvh",
+    "path.pixels.ray-query",
+    "test/trace.bvh",
+    "test/bsdf.bvh",
+    "test/light.bvh",
+    "test/random.bvh",
+];
 
 fn load(name: &str) -> Module {
     let words: Vec<u32> = lumbre::gpu::module(name)

@@ -16,3 +16,7 @@ Frame frame_from_normal(vec3 n) {
 
 vec3 to_local(Frame f, vec3 w) { return vec3(dot(w, f.tangent), dot(w, f.bitangent), dot(w, f.normal)); }
 vec3 to_world(Frame f, vec3 w) { return f.tangent * w.x + f.bitangent * w.y + f.normal * w.z; }
+
+// Angle between unit vectors (Kahan 2006, "How futile are mindless assessments of roundoff", section 12): unlike the arc cosine of
+// their product it keeps its digits near 0 and pi, and devices may approximate that one to three digits.
+float angle_between(vec3 a, vec3 b) { return 2.0 * atan(length(a - b), length(a + b)); }

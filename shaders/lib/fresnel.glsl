@@ -8,7 +8,14 @@ float fresnel_refracting(float cos_i, float cos_t, float eta) {
     return 0.5 * (parallel * parallel + perpendicular * perpendicular);
 }
 
-// The same given the cosine of incidence alone; also finds that of refraction, which is 0 under total internal reflection.
+// What is not reflected, without the cancellation of 1 - reflectance towards grazing angles.
+float fresnel_transmittance(float cos_i, float cos_t, float eta) {
+    float parallel = eta * cos_i + cos_t;
+    float perpendicular = cos_i + eta * cos_t;
+    return 2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular));
+}
+
+// Its reflectance given the cosine of incidence alone; also finds that of refraction, which is 0 under total internal reflection.
 float fresnel_dielectric(float cos_i, float eta, out float cos_t) {
     float sin2_t = max(0.0, 1.0 - cos_i * cos_i) / (eta * eta);
     cos_t = sqrt(max(0.0, 1.0 - sin2_t));

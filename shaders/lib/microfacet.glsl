@@ -1,5 +1,9 @@
 // The GGX distribution of microfacet normals and its Smith masking (Walter et al. 2007; Heitz 2014).
 
+// Cosine between either direction of a reflection and the normal half way: the same bits with both exchanged, and free of the
+// cancellation that dot(wo, h) suffers between grazing directions.
+float half_cosine(vec3 wo, vec3 wi) { return 0.5 * length(wo + wi); }
+
 // Density of microfacet normals, per projected area of the surface: D(m), 1/sr. The quotient is formed from ratios that
 // stay near one, so alpha down to 1e-5 neither overflows nor cancels.
 float ggx_d(vec3 m, vec2 alpha) {
@@ -53,7 +57,8 @@ float microfacet_d(Material m, vec3 h) {
     // Beckmann's distribution (Walter et al. 2007, equation 25).
     vec2 slope = h.xy / alpha;
     float cos2 = h.z * h.z;
-    return exp(-dot(slope, slope) / cos2) / (PI * alpha.x * alpha.y * cos2 * cos2);
+    float falloff = exp(-dot(slope, slope) / cos2);
+    return falloff > 0.0 ? falloff / (PI * alpha.x * alpha.y * cos2 * cos2) : 0.0;
 }
 
 // Share of the microfacets facing w that w sees; Beckmann's by the rational approximation of Walter et al. 2007, section 5.2.

@@ -1,5 +1,6 @@
 // The one place that knows all lights: choosing one, sampling it as seen from a point, and the density of that when a
 // path hits a light by itself.
+#include "lib/frame.glsl"
 #include "lib/sampling.glsl"
 #include "lib/texture.glsl"
 

@@ -7,7 +7,7 @@ LightSample spot_light_sample(Light light, vec3 p) {
     vec3 wi = d * inversesqrt(distance2);
     float cutoff = light.v2.x;
     float beam = light.v2.y;
-    float angle = acos(clamp(-dot(wi, light.v1), -1.0, 1.0));
+    float angle = angle_between(-wi, light.v1);
     float falloff = angle <= beam ? 1.0 : clamp((cutoff - angle) / (cutoff - beam), 0.0, 1.0);
     if (HAS_PROJECTORS && light.source != NONE) {
         vec3 local = light_space(light, -wi);

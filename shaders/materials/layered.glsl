@@ -3,8 +3,10 @@
 // reflection (GGX, correlated masking, Schlick's Fresnel), a clear coat, sheen.
 //
 // m.reflectance is the base colour, m.eta the index of refraction, m.alpha_u the perceptual roughness. Deviations: the clear
-// coat's Fresnel factor takes the half vector, and the base is seen through the coat twice, which keeps it reciprocal; sheen
-// scales what lies under it by the albedo of both directions.
+// coat's own Fresnel factor takes the half vector; what lies under the coat or the sheen is scaled by the lesser of what they
+// leave for either direction, which is reciprocal and gives back no more than it gets.
+
+float largest_channel(vec3 c) { return max(c.x, max(c.y, c.z)); }
 
 float layered_alpha(float roughness) { return max(1e-3, roughness * roughness); }
 
@@ -13,10 +15,10 @@ vec3 layered_f0(Material m, Layered l) {
     return min(r * r * l.specular_colour, vec3(1.0)) * l.specular;
 }
 
-// Reflectance of the dielectric, whose far side is seen from inside where `inside`.
+// Reflectance of the dielectric for a cosine to the half vector: on the side of the outside, or `inside` of a volume.
 vec3 layered_fresnel(Material m, Layered l, float cos_h, bool inside) {
     float weight;
-    if (inside && l.is_volume != 0u) {
+    if (inside) {
         float cos2_t = 1.0 - m.eta * m.eta * (1.0 - cos_h * cos_h);
         weight = cos2_t > 0.0 ? schlick_weight(sqrt(cos2_t)) : 1.0;
     } else {
@@ -52,30 +54,68 @@ float charlie_sheen(vec3 wo, vec3 wi, float alpha) {
     return charlie_d(cos_h, alpha) * masking / (4.0 * wo.z * wi.z);
 }
 
-// An upper bound of the sheen's albedo, for sharing light with what is under it (a fit to its integral).
+// The sheen's albedo (its integral over the hemisphere by quadrature, 3 % up so that interpolation never falls below it):
+// rows by perceptual roughness from sqrt(0.07) to 1, columns by the square root of the cosine from 0 to 1.
+const uint CHARLIE_COLUMNS = 9u;
+const float CHARLIE_ALBEDO[72] = float[](
+    1.000, 0.960, 0.699, 0.453, 0.261, 0.128, 0.048, 0.011, 0.000,
+    0.870, 0.838, 0.657, 0.473, 0.317, 0.192, 0.099, 0.039, 0.005,
+    0.830, 0.810, 0.661, 0.504, 0.366, 0.248, 0.150, 0.077, 0.022,
+    0.847, 0.830, 0.694, 0.547, 0.416, 0.301, 0.200, 0.119, 0.050,
+    0.891, 0.877, 0.742, 0.597, 0.467, 0.351, 0.246, 0.160, 0.083,
+    0.943, 0.929, 0.791, 0.643, 0.512, 0.394, 0.287, 0.198, 0.116,
+    0.979, 0.964, 0.823, 0.675, 0.543, 0.425, 0.317, 0.228, 0.146,
+    0.971, 0.956, 0.820, 0.677, 0.550, 0.437, 0.333, 0.247, 0.169);
+
 float charlie_albedo(float cosine, float alpha) {
-    float x = 1.0 - cosine;
-    return clamp(0.05 + 0.6 * alpha * (1.0 - alpha) + (0.35 + 0.9 * alpha * (1.0 - 0.6 * alpha)) * x * x * x, 0.0, 1.0);
+    const float first = 0.264575; // sqrt(0.07)
+    float row = 7.0 * (sqrt(alpha) - first) / (1.0 - first);
+    float column = 8.0 * sqrt(min(cosine, 1.0));
+    uint i = min(uint(max(row, 0.0)), 6u), j = min(uint(column), 7u);
+    uint at = i * CHARLIE_COLUMNS + j;
+    vec2 lower = mix(vec2(CHARLIE_ALBEDO[at], CHARLIE_ALBEDO[at + CHARLIE_COLUMNS]),
+                     vec2(CHARLIE_ALBEDO[at + 1u], CHARLIE_ALBEDO[at + CHARLIE_COLUMNS + 1u]), column - float(j));
+    return mix(lower.x, lower.y, row - float(i));
 }
 
 // What the sheen leaves for the layers under it.
 float layered_under_sheen(Layered l, vec3 wo, vec3 wi) {
-    float strongest = max(l.sheen_colour.x, max(l.sheen_colour.y, l.sheen_colour.z));
+    float strongest = largest_channel(l.sheen_colour);
     if (strongest == 0.0) return 1.0;
     float alpha = charlie_alpha(l);
     return min(1.0 - strongest * charlie_albedo(abs(wo.z), alpha), 1.0 - strongest * charlie_albedo(abs(wi.z), alpha));
 }
 
-// Probabilities of sampling the diffuse lobe, the reflection, the transmission and the clear coat.
-vec4 layered_lobes(Material m, Layered l, vec3 wo) {
-    vec3 dielectric = layered_fresnel(m, l, abs(wo.z), wo.z < 0.0);
-    float f = max(dielectric.x, max(dielectric.y, dielectric.z));
-    float base = (1.0 - l.metallic) * (1.0 - f);
-    float coat = wo.z > 0.0 ? l.clearcoat * mix(0.04, 1.0, schlick_weight(wo.z)) : 0.0;
-    vec4 lobes = vec4(base * (1.0 - l.transmission), (1.0 - l.metallic) * f + l.metallic, base * l.transmission, coat);
-    if (max(l.sheen_colour.x, max(l.sheen_colour.y, l.sheen_colour.z)) > 0.0) lobes.x += 0.3;
-    lobes.y = max(lobes.y, 0.02);
-    return lobes / (lobes.x + lobes.y + lobes.z + lobes.w);
+// What the clear coat reflects, seen from outside under this cosine.
+float layered_coat(Layered l, float cosine) { return l.clearcoat * mix(0.04, 1.0, schlick_weight(abs(cosine))); }
+
+// What the clear coat and the sheen leave for the layers under them. Inside of a volume there is no coat to cross first.
+float layered_under(Layered l, vec3 wo, vec3 wi) {
+    bool volume = l.is_volume != 0u;
+    float coat_o = wo.z < 0.0 && volume ? 0.0 : layered_coat(l, wo.z);
+    float coat_i = wi.z < 0.0 && volume ? 0.0 : layered_coat(l, wi.z);
+    return (1.0 - max(coat_o, coat_i)) * layered_under_sheen(l, wo, wi);
+}
+
+// Probabilities of sampling the diffuse lobe (which serves the sheen too), the clear coat and the microfacets.
+vec3 layered_lobes(Material m, Layered l, vec3 wo) {
+    bool inside = wo.z < 0.0 && l.is_volume != 0u;
+    if (inside) return vec3(0.0, 0.0, 1.0);
+    float f = largest_channel(layered_fresnel(m, l, wo.z, false));
+    // At grazing angles the half vectors that scatter diffusely reflect far less than the surface's normal says.
+    float passed = (1.0 - l.metallic) * max(1.0 - f, 0.5);
+    float diffuse = passed * (1.0 - l.transmission) + 0.3 * largest_channel(l.sheen_colour);
+    float coat = layered_coat(l, wo.z);
+    float microfacets = max(l.metallic + (1.0 - l.metallic) * f + passed * l.transmission, 0.02);
+    return vec3(diffuse, coat, microfacets) / (diffuse + coat + microfacets);
+}
+
+// Probability of passing a microfacet whose dielectric reflectance is f, rather than being reflected. By the microfacet and
+// not by the surface: where the surface as a whole reflects totally, some of its microfacets do not.
+float layered_passage(Layered l, vec3 f) {
+    float reflected = l.metallic + (1.0 - l.metallic) * largest_channel(f);
+    float passed = (1.0 - l.metallic) * l.transmission * (1.0 - largest_channel(f));
+    return passed > 0.0 ? passed / (passed + reflected) : 0.0;
 }
 
 // The direction from which light would have been reflected to leave as `w` does through a thin wall.
@@ -94,7 +134,7 @@ vec3 layered_half(Material m, Layered l, vec3 wo, vec3 wi) {
 vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec3(0.0);
     bool reflected = wo.z * wi.z > 0.0;
-    bool front = wo.z > 0.0;
+    bool inside = wo.z < 0.0 && l.is_volume != 0u;
     vec2 alpha = vec2(layered_alpha(m.alpha_u));
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
@@ -102,32 +142,34 @@ vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     vec3 value = vec3(0.0);
     if (!reflected) {
         if (l.transmission == 0.0) return vec3(0.0);
-        vec3 f = layered_fresnel(m, l, abs(wo_h), !front);
-        vec3 through = m.reflectance * ((1.0 - l.metallic) * l.transmission) * (1.0 - max(f.x, max(f.y, f.z)));
+        // Where light is refracted, the cosine outside is known from either side; straight through, both are the same.
+        float outer = l.is_volume == 0u ? half_cosine(wo, mirrored(wi)) : inside ? wi_h : wo_h;
+        vec3 f = layered_fresnel(m, l, outer, false);
+        vec3 through = m.reflectance * ((1.0 - l.metallic) * l.transmission) * (1.0 - largest_channel(f));
         if (l.is_volume == 0u) {
-            vec3 back = mirrored(wi);
-            value = through * (ggx_d(h, alpha) * ggx_g2(wo, back, alpha, true) / (4.0 * abs(wo.z)));
+            value = through * (ggx_d(h, alpha) * ggx_g2(wo, mirrored(wi), alpha, true) / (4.0 * abs(wo.z)));
         } else {
             if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return vec3(0.0);
-            float eta = front ? m.eta : 1.0 / m.eta;
-            float denominator = wo_h + eta * wi_h;
+            float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
+            float denominator = (near * wo_h + far * wi_h) / near;
             value = through * (ggx_d(h, alpha) * ggx_g2(wo, wi, alpha, true) * abs(wo_h * wi_h / (wo.z * denominator * denominator)));
         }
-        return value * layered_under_sheen(l, wo, wi);
+        return value * layered_under(l, wo, wi);
     }
-    vec3 f = layered_fresnel(m, l, abs(wo_h), !front);
+    float cos_h = half_cosine(wo, wi);
+    vec3 f = layered_fresnel(m, l, cos_h, inside);
     float shine = ggx_d(h, alpha) * ggx_g2(wo, wi, alpha, true) / (4.0 * abs(wo.z));
-    vec3 metal = mix(m.reflectance, vec3(1.0), schlick_weight(abs(wo_h)));
+    vec3 metal = mix(m.reflectance, vec3(1.0), schlick_weight(cos_h));
     value = (l.metallic * metal + (1.0 - l.metallic) * f) * shine;
-    if (!front && l.is_volume != 0u) return value;
-    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - max(f.x, max(f.y, f.z)));
+    if (inside) return value;
+    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - largest_channel(f));
     value += m.reflectance * (diffuse * cos_i * INV_PI);
+    value *= layered_under(l, wo, wi);
     if (l.clearcoat > 0.0) {
         vec2 coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
-        float coat = l.clearcoat * mix(0.04, 1.0, schlick_weight(abs(wo_h)));
-        value = value * (1.0 - coat) + vec3(coat * ggx_d(h, coat_alpha) * ggx_g2(wo, wi, coat_alpha, true) / (4.0 * abs(wo.z)));
+        float coat = layered_coat(l, cos_h) * layered_under_sheen(l, wo, wi);
+        value += coat * ggx_d(h, coat_alpha) * ggx_g2(wo, wi, coat_alpha, true) / (4.0 * abs(wo.z));
     }
-    value *= layered_under_sheen(l, wo, wi);
     vec3 up_o = vec3(wo.xy, abs(wo.z)), up_i = vec3(wi.xy, abs(wi.z));
     if (l.sheen_colour != vec3(0.0)) value += l.sheen_colour * (charlie_sheen(up_o, up_i, charlie_alpha(l)) * cos_i);
     return value;
@@ -136,48 +178,50 @@ vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
 float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return 0.0;
     bool reflected = wo.z * wi.z > 0.0;
-    float side = wo.z > 0.0 ? 1.0 : -1.0;
-    vec2 alpha = vec2(layered_alpha(m.alpha_u));
-    vec4 lobes = layered_lobes(m, l, wo);
+    bool inside = wo.z < 0.0 && l.is_volume != 0u;
+    vec3 up = wo.z > 0.0 ? wo : -wo; // ggx_visible_pdf takes h on the side of +z
+    vec3 lobes = layered_lobes(m, l, wo);
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    float visible = ggx_visible_pdf(side * wo, h, alpha);
+    float visible = lobes.z * ggx_visible_pdf(up, h, vec2(layered_alpha(m.alpha_u)));
     if (!reflected) {
-        if (l.is_volume == 0u) return lobes.z * visible / (4.0 * abs(wo_h));
+        float passage = layered_passage(l, layered_fresnel(m, l, inside ? wi_h : wo_h, false));
+        if (l.is_volume == 0u) return passage * visible / (4.0 * abs(wo_h));
         if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return 0.0;
-        float eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
-        float denominator = wo_h / eta + wi_h;
-        return lobes.z * visible * abs(wi_h) / (denominator * denominator);
+        float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
+        float denominator = (near * wo_h + far * wi_h) / far;
+        return passage * visible * abs(wi_h) / (denominator * denominator);
     }
-    float pdf = lobes.x * abs(wi.z) * INV_PI + lobes.y * visible / (4.0 * abs(wo_h));
-    if (lobes.w > 0.0) pdf += lobes.w * ggx_visible_pdf(wo, h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * wo_h);
+    float passage = layered_passage(l, layered_fresnel(m, l, wo_h, inside));
+    float pdf = lobes.x * abs(wi.z) * INV_PI + (1.0 - passage) * visible / (4.0 * abs(wo_h));
+    if (lobes.y > 0.0) pdf += lobes.y * ggx_visible_pdf(up, h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * abs(wo_h));
     return pdf;
 }
 
 BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
     BsdfSample none = BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
-    vec4 lobes = layered_lobes(m, l, wo);
+    vec3 lobes = layered_lobes(m, l, wo);
     float side = wo.z > 0.0 ? 1.0 : -1.0;
+    bool inside = wo.z < 0.0 && l.is_volume != 0u;
     vec3 wi;
     float eta = 1.0;
     bool through = false;
     if (u.z < lobes.x) {
         wi = side * sample_cosine_hemisphere(u.xy);
     } else {
-        bool coat = u.z < lobes.x + lobes.w;
+        bool coat = u.z < lobes.x + lobes.y;
         vec2 alpha = vec2(layered_alpha(coat ? l.clearcoat_roughness : m.alpha_u));
         vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
-        through = u.z >= lobes.x + lobes.w + lobes.y;
+        float cos_h = dot(wo, h);
+        through = !coat && u.z >= 1.0 - lobes.z * layered_passage(l, layered_fresnel(m, l, cos_h, inside));
+        wi = reflect(-wo, h);
+        if (through && l.is_volume == 0u) wi = mirrored(wi);
         if (through && l.is_volume != 0u) {
             eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
-            float cos_h = dot(wo, h);
             float cos_t;
             fresnel_dielectric(cos_h, eta, cos_t);
             if (cos_t == 0.0) return none;
             wi = -wo / eta + h * (cos_h / eta - cos_t);
-        } else {
-            wi = reflect(-wo, h);
-            if (through) wi = mirrored(wi);
         }
     }
     if ((wi.z * wo.z < 0.0) != through) return none;

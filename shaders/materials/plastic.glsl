@@ -11,7 +11,8 @@ vec3 plastic_base(Material m, Plastic p) {
 // Probability of sampling the coating, which reflects the share `f`.
 float plastic_coating_probability(Plastic p, float f) {
     float coating = f * p.specular_weight;
-    return coating / (coating + (1.0 - f) * (1.0 - p.specular_weight));
+    float total = coating + (1.0 - f) * (1.0 - p.specular_weight);
+    return total > 0.0 ? coating / total : 1.0; // a coating that reflects nothing, met along the surface
 }
 
 BsdfSample plastic_sample(Material m, Plastic p, vec3 wo, vec3 u) {

@@ -40,23 +40,35 @@ vec3 principled_fresnel(Material m, Principled p, float dielectric, float cos_h,
     return (1.0 - p.metallic) * (1.0 - p.spec_tint) * dielectric + schlick;
 }
 
-// The clear coat's distribution (Burley 2012, equation 4), isotropic.
-float gtr1_d(float cos_h, float alpha) {
+// The clear coat's distribution (Burley 2012, equation 4), isotropic. Sines and cosines apart: 1 - cos^2 would cancel where the
+// coat is glossy.
+float gtr1_d(vec3 h, float alpha) {
     float a2 = alpha * alpha;
-    return (a2 - 1.0) / (PI * log(a2) * (1.0 + (a2 - 1.0) * cos_h * cos_h));
+    return (a2 - 1.0) / (PI * log(a2) * (dot(h.xy, h.xy) + a2 * h.z * h.z));
+}
+
+// A normal with density gtr1_d cos (equation B.2 of the same).
+vec3 gtr1_sample(float alpha, vec2 u) {
+    float a2 = alpha * alpha;
+    float cos2 = (1.0 - pow(a2, 1.0 - u.x)) / (1.0 - a2);
+    float sin2 = a2 * (pow(a2, -u.x) - 1.0) / (1.0 - a2);
+    float phi = 2.0 * PI * u.y;
+    return normalize(vec3(sqrt(max(0.0, sin2)) * vec2(cos(phi), sin(phi)), sqrt(max(0.0, cos2))));
 }
 
 float principled_coat_alpha(Principled p) { return mix(0.1, 0.001, p.clearcoat_gloss); }
 
-// Probabilities of sampling the diffuse lobe, the reflection, the transmission and the clear coat.
-vec4 principled_lobes(Material m, Principled p, vec3 wo) {
-    float brdf = (1.0 - p.metallic) * (1.0 - p.spec_trans);
-    float bsdf = (1.0 - p.metallic) * p.spec_trans;
-    float cos_t;
-    float f = fresnel_dielectric(abs(wo.z), wo.z > 0.0 ? m.eta : 1.0 / m.eta, cos_t);
-    if (wo.z <= 0.0) return vec4(0.0, f, 1.0 - f, 0.0);
-    vec4 lobes = vec4(brdf, 1.0 - bsdf * (1.0 - f), bsdf * (1.0 - f), 0.25 * p.clearcoat);
-    return lobes / (lobes.x + lobes.y + lobes.z + lobes.w);
+// Probabilities of sampling the diffuse lobe, the clear coat and the microfacets.
+vec3 principled_lobes(Principled p, bool front) {
+    if (!front) return vec3(0.0, 0.0, 1.0);
+    vec3 lobes = vec3((1.0 - p.metallic) * (1.0 - p.spec_trans), 0.25 * p.clearcoat, 1.0);
+    return lobes / (lobes.x + lobes.y + lobes.z);
+}
+
+// Probability of refracting at a microfacet that transmits this share. By the microfacet and not by the surface: where
+// the surface as a whole reflects totally, some of its microfacets do not.
+float principled_refraction(Principled p, bool front, float passed) {
+    return (front ? (1.0 - p.metallic) * p.spec_trans : 1.0) * passed;
 }
 
 vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
@@ -64,44 +76,36 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
     float brdf = (1.0 - p.metallic) * (1.0 - p.spec_trans);
     float bsdf = (1.0 - p.metallic) * p.spec_trans;
     bool front = wo.z > 0.0;
-    bool reflected = wo.z * wi.z > 0.0;
-    float eta = front ? m.eta : 1.0 / m.eta;
+    Microfacet facet = rough_dielectric_facet(m, wo, wi);
+    if (!facet.valid) return vec3(0.0);
     vec2 alpha = principled_alpha(m, p);
-    vec3 h = normalize(wo + wi * (reflected ? 1.0 : eta));
-    h = h.z < 0.0 ? -h : h;
-    float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return vec3(0.0);
-    float cos_t;
-    float f = fresnel_dielectric(abs(wo_h), eta, cos_t);
-    float d = ggx_d(h, alpha);
-    float g = ggx_g2(wo, wi, alpha, false);
-    float cos_i = abs(wi.z);
-    if (!reflected) {
-        if (bsdf == 0.0) return vec3(0.0);
-        float denominator = wo_h + eta * wi_h;
-        return sqrt(m.reflectance) * (bsdf * (1.0 - f) * d * g * abs(wo_h * wi_h / (wo.z * denominator * denominator)));
+    float visible = ggx_d(facet.normal, alpha) * ggx_g2(wo, wi, alpha, false);
+    if (!facet.reflected) {
+        float denominator = (facet.near * facet.wo_h + facet.far * facet.wi_h) / facet.near;
+        return sqrt(m.reflectance) * (bsdf * facet.passed * visible * abs(facet.wo_h * facet.wi_h / (wo.z * denominator * denominator)));
     }
-    vec3 value = principled_fresnel(m, p, f, wo_h, front, bsdf) * (d * g / (4.0 * abs(wo.z)));
+    float cos_h = half_cosine(wo, wi);
+    vec3 value = principled_fresnel(m, p, facet.fresnel, cos_h, front, bsdf) * (visible / (4.0 * abs(wo.z)));
     if (!front) return value;
+    float cos_i = wi.z;
     if (p.clearcoat > 0.0) {
         vec2 coat = vec2(0.25);
-        float shine = gtr1_d(h.z, principled_coat_alpha(p)) * ggx_g1(wo, coat) * ggx_g1(wi, coat) * cos_i;
-        value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), wo_h, m.eta) * shine;
+        float shine = gtr1_d(facet.normal, principled_coat_alpha(p)) * ggx_g1(wo, coat) * ggx_g1(wi, coat) * cos_i;
+        value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), cos_h, m.eta) * shine;
     }
-    float fo = schlick_weight(abs(wo.z)), fi = schlick_weight(cos_i);
     if (brdf > 0.0) {
-        float retro = 2.0 * m.alpha_u * wi_h * wi_h;
+        float fo = schlick_weight(wo.z), fi = schlick_weight(cos_i);
+        float retro = 2.0 * m.alpha_u * cos_h * cos_h;
         float diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
         if (p.flatness > 0.0) {
             float ss90 = 0.5 * retro;
             float ss = mix(1.0, ss90, fo) * mix(1.0, ss90, fi);
-            diffuse = mix(diffuse, 1.25 * (ss * (1.0 / (abs(wo.z) + cos_i) - 0.5) + 0.5), p.flatness);
+            diffuse = mix(diffuse, 1.25 * (ss * (1.0 / (wo.z + cos_i) - 0.5) + 0.5), p.flatness);
         }
         value += m.reflectance * (brdf * diffuse * cos_i * INV_PI);
-    }
-    if (p.sheen > 0.0) {
+        // Sheen goes with the diffuse lobe: without one, there is none.
         vec3 tint = p.sheen_tint > 0.0 ? mix(vec3(1.0), principled_tint(m), p.sheen_tint) : vec3(1.0);
-        value += tint * (p.sheen * (1.0 - p.metallic) * schlick_weight(abs(wi_h)) * cos_i);
+        value += tint * (p.sheen * (1.0 - p.metallic) * schlick_weight(cos_h) * cos_i);
     }
     return value;
 }
@@ -109,49 +113,42 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
 float principled_pdf(Material m, Principled p, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return 0.0;
     bool front = wo.z > 0.0;
-    bool reflected = wo.z * wi.z > 0.0;
-    float eta = front ? m.eta : 1.0 / m.eta;
-    vec4 lobes = principled_lobes(m, p, wo);
-    vec2 alpha = principled_alpha(m, p);
-    vec3 h = normalize(wo + wi * (reflected ? 1.0 : eta));
-    h = h.z < 0.0 ? -h : h;
-    float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return reflected && front ? lobes.x * wi.z * INV_PI : 0.0;
-    float visible = ggx_visible_pdf(front ? wo : -wo, h, alpha);
-    if (!reflected) {
-        float denominator = wo_h / eta + wi_h;
-        return lobes.z * visible * abs(wi_h) / (denominator * denominator);
+    Microfacet facet = rough_dielectric_facet(m, wo, wi);
+    if (!facet.valid) return 0.0;
+    vec3 lobes = principled_lobes(p, front);
+    float refraction = principled_refraction(p, front, facet.passed);
+    float visible = lobes.z * ggx_visible_pdf(front ? wo : -wo, facet.normal, principled_alpha(m, p));
+    if (!facet.reflected) {
+        float denominator = (facet.near * facet.wo_h + facet.far * facet.wi_h) / facet.far;
+        return refraction * visible * abs(facet.wi_h) / (denominator * denominator);
     }
-    float pdf = lobes.y * visible / (4.0 * abs(wo_h));
-    if (front) pdf += lobes.x * wi.z * INV_PI + lobes.w * gtr1_d(h.z, principled_coat_alpha(p)) * h.z / (4.0 * wo_h);
+    float pdf = (1.0 - refraction) * visible / (4.0 * abs(facet.wo_h));
+    if (front) pdf += lobes.x * wi.z * INV_PI;
+    if (lobes.y > 0.0) pdf += lobes.y * gtr1_d(facet.normal, principled_coat_alpha(p)) * facet.normal.z / (4.0 * facet.wo_h);
     return pdf;
 }
 
 BsdfSample principled_sample(Material m, Principled p, vec3 wo, vec3 u) {
-    vec4 lobes = principled_lobes(m, p, wo);
-    float side = wo.z > 0.0 ? 1.0 : -1.0;
-    float eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
+    BsdfSample none = BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
+    bool front = wo.z > 0.0;
+    vec3 lobes = principled_lobes(p, front);
+    bool refracted = false;
+    float eta = front ? m.eta : 1.0 / m.eta;
     vec3 wi;
-    float crossed = 1.0;
     if (u.z < lobes.x) {
         wi = sample_cosine_hemisphere(u.xy);
-    } else if (u.z < lobes.x + lobes.w) {
-        float a2 = principled_coat_alpha(p) * principled_coat_alpha(p);
-        float cos2 = (1.0 - pow(a2, 1.0 - u.x)) / (1.0 - a2);
-        float sine = sqrt(max(0.0, 1.0 - cos2)), phi = 2.0 * PI * u.y;
-        wi = reflect(-wo, vec3(sine * cos(phi), sine * sin(phi), sqrt(max(0.0, cos2))));
+    } else if (u.z < lobes.x + lobes.y) {
+        wi = reflect(-wo, gtr1_sample(principled_coat_alpha(p), u.xy));
     } else {
+        float side = front ? 1.0 : -1.0;
         vec3 h = ggx_sample_visible(side * wo, principled_alpha(m, p), u.xy) * side;
         float cos_h = dot(wo, h);
         float cos_t;
-        fresnel_dielectric(cos_h, eta, cos_t);
-        bool refracted = u.z >= lobes.x + lobes.w + lobes.y;
-        if (refracted && cos_t == 0.0) return BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
+        float f = fresnel_dielectric(cos_h, eta, cos_t);
+        refracted = u.z >= 1.0 - lobes.z * principled_refraction(p, front, 1.0 - f);
         wi = refracted ? -wo / eta + h * (cos_h / eta - cos_t) : reflect(-wo, h);
-        crossed = refracted ? eta : 1.0;
-        if ((wi.z * wo.z < 0.0) != refracted) return BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
     }
-    if (wi.z * side <= 0.0 && crossed == 1.0) return BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
+    if ((wi.z * wo.z < 0.0) != refracted) return none;
     float pdf = principled_pdf(m, p, wo, wi);
-    return BsdfSample(wi, pdf > 0.0 ? principled_eval(m, p, wo, wi) / pdf : vec3(0.0), pdf, false, crossed);
+    return BsdfSample(wi, pdf > 0.0 ? principled_eval(m, p, wo, wi) / pdf : vec3(0.0), pdf, false, refracted ? eta : 1.0);
 }

@@ -13,7 +13,7 @@ BsdfSample rough_conductor_sample(Material m, vec3 wo, vec3 u) {
 vec3 rough_conductor_eval(Material m, vec3 wo, vec3 wi) {
     if (wi.z <= 0.0) return vec3(0.0);
     vec3 h = normalize(wo + wi);
-    vec3 f = m.reflectance * fresnel_conductor(dot(wo, h), m.conductor_eta, m.conductor_k);
+    vec3 f = m.reflectance * fresnel_conductor(half_cosine(wo, wi), m.conductor_eta, m.conductor_k);
     return f * (microfacet_d(m, h) * microfacet_g2(m, wo, wi) / (4.0 * wo.z));
 }
 

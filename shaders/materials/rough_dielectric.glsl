@@ -10,7 +10,8 @@ struct Microfacet {
     float wo_h;     // cosine between wo and the normal, signed
     float wi_h;
     bool valid;     // neither direction sees the microfacet from behind
-    float fresnel;
+    float fresnel;  // reflected share
+    float passed;   // transmitted share
 };
 
 Microfacet rough_dielectric_facet(Material m, vec3 wo, vec3 wi) {
@@ -26,8 +27,9 @@ Microfacet rough_dielectric_facet(Material m, vec3 wo, vec3 wi) {
     float cos_t;
     // Both cosines are known where light is refracted, and near the critical angle finding one from the other cancels.
     // Where it is reflected they are the same but for rounding, to which Fresnel's equations are as sensitive there.
-    f.fresnel = f.reflected ? fresnel_dielectric(0.5 * abs(f.wo_h + f.wi_h), wo.z > 0.0 ? m.eta : 1.0 / m.eta, cos_t)
-                            : fresnel_refracting(abs(f.wo_h), abs(f.wi_h), f.far / f.near);
+    float eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
+    f.fresnel = f.reflected ? fresnel_dielectric(0.5 * abs(f.wo_h + f.wi_h), eta, cos_t) : fresnel_refracting(abs(f.wo_h), abs(f.wi_h), eta);
+    f.passed = f.reflected ? 1.0 - f.fresnel : fresnel_transmittance(abs(f.wo_h), abs(f.wi_h), eta);
     return f;
 }
 
@@ -55,7 +57,7 @@ vec3 rough_dielectric_eval(Material m, vec3 wo, vec3 wi) {
     float visible = microfacet_d(m, f.normal) * microfacet_g2(m, wo, wi);
     if (f.reflected) return m.reflectance * (f.fresnel * visible / (4.0 * abs(wo.z)));
     float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.near;
-    return m.transmittance * ((1.0 - f.fresnel) * visible * abs(f.wo_h * f.wi_h / (wo.z * denominator * denominator)));
+    return m.transmittance * (f.passed * visible * abs(f.wo_h * f.wi_h / (wo.z * denominator * denominator)));
 }
 
 float rough_dielectric_pdf(Material m, vec3 wo, vec3 wi) {
@@ -64,5 +66,5 @@ float rough_dielectric_pdf(Material m, vec3 wo, vec3 wi) {
     float normal_pdf = microfacet_pdf(m, wo.z > 0.0 ? wo : -wo, f.normal);
     if (f.reflected) return f.fresnel * normal_pdf / (4.0 * abs(f.wo_h));
     float denominator = (f.near * f.wo_h + f.far * f.wi_h) / f.far;
-    return (1.0 - f.fresnel) * normal_pdf * abs(f.wi_h) / (denominator * denominator);
+    return f.passed * normal_pdf * abs(f.wi_h) / (denominator * denominator);
 }

@@ -12,7 +12,7 @@ vec3 rough_plastic_eval(Material m, Plastic p, vec3 wo, vec3 wi) {
     if (wi.z <= 0.0) return vec3(0.0);
     vec3 h = normalize(wo + wi);
     float cos_t;
-    float f = fresnel_dielectric(dot(wo, h), m.eta, cos_t);
+    float f = fresnel_dielectric(half_cosine(wo, wi), m.eta, cos_t);
     vec3 coating = p.specular * (f * microfacet_d(m, h) * microfacet_g2(m, wo, wi) / (4.0 * wo.z));
     float through = rough_plastic_transmittance(p, wo.z) * rough_plastic_transmittance(p, wi.z);
     return coating + plastic_base(m, p) * (through * wi.z * INV_PI);

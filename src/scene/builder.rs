@@ -308,7 +308,7 @@ impl SceneBuilder {
         if self.environment.is_some() && environment.is_none() {
             background = None; // a black image
         }
-        let weights: Vec<f64> = lights.iter().map(|light| self.light_power(light, radius)).collect();
+        let weights: Vec<f64> = lights.iter().map(|light| self.light_power(light, &flat.surfaces, radius)).collect();
         let background_probability = match (background.is_some(), weights.iter().sum::<f64>() > 0.0) {
             (true, true) => 0.5, // neither can starve the other, whichever the scene shows more of
             (true, false) => 1.0,
@@ -379,13 +379,15 @@ impl SceneBuilder {
     }
 
     /// The flux that a light brings, its texture included.
-    fn light_power(&self, light: &Light, radius: f64) -> f64 {
+    fn light_power(&self, light: &Light, surfaces: &[Surface], radius: f64) -> f64 {
         let texture = match light.kind {
-            LIGHT_TRIANGLE | LIGHT_SPHERE => self.surfaces[light.source as usize].emission_texture,
-            LIGHT_SPOT | LIGHT_PROJECTOR => Some(light.source).filter(|texture| *texture != NONE),
-            _ => None,
+            LIGHT_TRIANGLE | LIGHT_SPHERE => surfaces[light.source as usize].emission_texture,
+            LIGHT_SPOT | LIGHT_PROJECTOR => light.source,
+            _ => NONE,
         };
-        let factor = texture.map_or(1.0, |texture| importance(self.texture_mean(texture)));
+        let factor = Some(texture)
+            .filter(|texture| *texture != NONE)
+            .map_or(1.0, |texture| importance(self.texture_mean(texture)));
         power(light, radius) * factor
     }
 
@@ -557,7 +559,12 @@ impl Flat {
             }
         }
         let middle = self.primitives.len() as u32;
-        for (centre, radius, axes, surface, emits) in spheres {
+        for (centre, radius, axes, mut surface, emits) in spheres {
+            // Each emitting sphere has a density of its own, which its surface holds.
+            if emits && self.emitters.iter().any(|(_, other)| *other == surface) {
+                self.surfaces.push(self.surfaces[surface]);
+                surface = self.surfaces.len() - 1;
+            }
             let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
             let turn = DQuat::from_mat3(&(axes * mirror)).normalize();
             let turn = if turn.w < 0.0 { -turn } else { turn };

@@ -1,11 +1,11 @@
 //! Materials as the shaders take them, made from physical parameters.
 
-use super::plastic::Coating;
+use super::plastic::{Microfacets, rough_coating};
 use crate::layout::{
     Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
     MATERIAL_HAS_TRANSMISSION, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
-    MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, NONE,
-    Plastic, Principled,
+    MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, Material,
+    MaterialTextures, NONE, Plastic, Principled,
 };
 
 /// A material with what its record has no room for; [`super::SceneBuilder`] files each part where it belongs.
@@ -78,6 +78,7 @@ pub fn dielectric(eta: f32, reflectance: [f32; 3], transmittance: [f32; 3], alph
     let [alpha_u, alpha_v] = alpha.unwrap_or_default();
     let kind = if alpha.is_some() { MATERIAL_ROUGH_DIELECTRIC } else { MATERIAL_DIELECTRIC };
     let flags = MATERIAL_HAS_TRANSMISSION | alpha.map_or(0, anisotropy);
+    let eta = if alpha.is_some() { bending(eta) } else { eta };
     Material { alpha_u, alpha_v, eta, reflectance, transmittance, ..record(kind, flags) }
 }
 
@@ -86,23 +87,23 @@ pub fn thin_dielectric(eta: f32, reflectance: [f32; 3], transmittance: [f32; 3])
     Material { eta, reflectance, transmittance, ..record(MATERIAL_THIN_DIELECTRIC, MATERIAL_HAS_TRANSMISSION) }
 }
 
-/// A diffuse base under a coating of relative index `eta`, smooth where `coating` is nothing; `nonlinear` lets light that the
+/// A diffuse base under a coating of relative index `eta`, smooth where `alpha` is nothing, else GGX of that roughness; `nonlinear` lets light that the
 /// coating throws back take on the base's colour each time.
 pub fn plastic(
     eta: f32,
     diffuse: [f32; 3],
     specular: [f32; 3],
     nonlinear: bool,
-    coating: Option<Coating>,
+    alpha: Option<f32>,
 ) -> MaterialDescription {
     let mean = |rgb: [f32; 3]| rgb.iter().sum::<f32>() / 3.0;
     let (diffuse_mean, specular_mean) = (mean(diffuse), mean(specular));
-    let kind = if coating.is_some() { MATERIAL_ROUGH_PLASTIC } else { MATERIAL_PLASTIC };
-    let (table, inside) = match coating {
-        Some(coating) => super::plastic::rough_coating(coating, f64::from(eta)),
+    let kind = if alpha.is_some() { MATERIAL_ROUGH_PLASTIC } else { MATERIAL_PLASTIC };
+    let (table, inside) = match alpha {
+        Some(alpha) => rough_coating(Microfacets::Ggx(f64::from(alpha)), f64::from(eta)),
         None => (Vec::new(), super::plastic::diffuse_reflectance(1.0 / f64::from(eta))),
     };
-    let alpha = coating.map_or(0.0, |coating| coating.alpha);
+    let alpha = alpha.unwrap_or_default();
     let total = diffuse_mean + specular_mean;
     let detail = Plastic {
         specular,
@@ -118,6 +119,11 @@ pub fn plastic(
     }
 }
 
+/// An index of refraction that bends light at all: half vectors of refraction do not exist for an index of one.
+fn bending(eta: f32) -> f32 {
+    if (eta - 1.0).abs() < 1e-3 { 1.001 } else { eta }
+}
+
 /// Burley's principled BSDF of this base colour, perceptual roughness and index of refraction.
 pub fn principled(base: [f32; 3], roughness: f32, eta: f32, parameters: Principled) -> MaterialDescription {
     let transmits = if parameters.spec_trans > 0.0 { MATERIAL_HAS_TRANSMISSION } else { 0 };
@@ -126,7 +132,7 @@ pub fn principled(base: [f32; 3], roughness: f32, eta: f32, parameters: Principl
         record: Material {
             alpha_u: roughness,
             alpha_v: roughness,
-            eta,
+            eta: bending(eta),
             reflectance: base,
             ..record(MATERIAL_PRINCIPLED, transmits | tangents)
         },
@@ -161,7 +167,7 @@ pub fn layered(base: [f32; 3], roughness: f32, eta: f32, layers: Layered) -> Mat
         record: Material {
             alpha_u: roughness,
             alpha_v: roughness,
-            eta,
+            eta: bending(eta),
             reflectance: base,
             ..record(MATERIAL_LAYERED, transmits | absorbs)
         },
@@ -171,6 +177,17 @@ pub fn layered(base: [f32; 3], roughness: f32, eta: f32, layers: Layered) -> Mat
 }
 
 impl MaterialDescription {
+    /// The same with Beckmann's microfacets instead of GGX's.
+    pub fn beckmann(mut self) -> Self {
+        self.record.flags |= MICROFACET_BECKMANN;
+        if let (Detail::Plastic(plastic, table), MATERIAL_ROUGH_PLASTIC) = (&mut self.detail, self.record.kind) {
+            let facets = Microfacets::Beckmann(f64::from(self.record.alpha_u));
+            let (rough, inside) = rough_coating(facets, f64::from(self.record.eta));
+            (*table, plastic.internal_reflectance) = (rough, inside as f32);
+        }
+        self
+    }
+
     /// Whether light passes through it, so that it is the same material seen from both sides.
     pub fn transmits(&self) -> bool {
         self.record.flags & MATERIAL_HAS_TRANSMISSION != 0

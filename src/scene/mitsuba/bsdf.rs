@@ -5,10 +5,9 @@ use std::rc::Rc;
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::{Result, all_of, one_of};
-use crate::layout::{MICROFACET_BECKMANN, MaterialTextures, NONE, Principled};
+use crate::layout::{MaterialTextures, NONE, Principled};
 use crate::scene::builder::{Mask, Side};
 use crate::scene::material::MaterialDescription;
-use crate::scene::plastic::Coating;
 use crate::scene::{material, metals};
 
 const SUPPORTED: [&str; 15] = [
@@ -150,8 +149,8 @@ impl Loader {
         let (diffuse, first) = self.reflectance(object, "diffuse_reflectance", 0.5)?;
         let (specular, second) = self.reflectance(object, "specular_reflectance", 1.0)?;
         let nonlinear = object.boolean("nonlinear", false)?;
-        let coating = roughness.map(|roughness| Coating { alpha: roughness.alpha[0], beckmann: roughness.beckmann });
-        let mut made = material::plastic(eta, diffuse, specular, nonlinear, coating);
+        let mut made =
+            material::plastic(eta, diffuse, specular, nonlinear, roughness.map(|roughness| roughness.alpha[0]));
         (made.textures.reflectance, made.textures.transmittance) = (first, second);
         Ok(with_roughness(made, roughness))
     }
@@ -315,7 +314,9 @@ struct Roughness {
 fn with_roughness(mut made: MaterialDescription, roughness: Option<Roughness>) -> MaterialDescription {
     if let Some(roughness) = roughness {
         made.textures.roughness = roughness.texture;
-        made.record.flags |= if roughness.beckmann { MICROFACET_BECKMANN } else { 0 };
+        if roughness.beckmann {
+            return made.beckmann();
+        }
     }
     made
 }

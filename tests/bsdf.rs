@@ -1,0 +1,660 @@
+//! Every BSDF, through the shaders' own functions.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::sampling::{Findings, Rings, chi_square_z, direction, numbers, spread, with_materials};
+use common::{settings, with_gpu};
+use glam::DVec3;
+use lumbre::backend::Backend;
+use lumbre::gpu::Gpu;
+use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Material, Principled};
+use lumbre::render::Probe;
+use lumbre::scene::material::{self, MaterialDescription, plain_layers};
+
+const WHITE: [f32; 3] = [1.0; 3];
+/// A mirror that reflects everything: index 0 + i.
+const PERFECT: ([f32; 3], [f32; 3]) = ([0.0; 3], [1.0; 3]);
+
+/// A material to test, with what is known of it.
+struct Case {
+    name: &'static str,
+    material: MaterialDescription,
+    /// Roughness (alpha) of its narrowest lobe.
+    narrowest: f64,
+    /// Light that passes goes straight on, but for roughness.
+    thin: bool,
+    /// It neither absorbs nor, in theory, loses energy to multiple scattering.
+    lossless: bool,
+    /// What its albedo stays below: 1.002, or more where the published model is known to give back more than it gets.
+    energy: f64,
+}
+
+impl Case {
+    fn transmits(&self) -> bool {
+        self.material.transmits()
+    }
+
+    /// Its lobes are deltas, all of them.
+    fn is_delta(&self) -> bool {
+        ["conductor", "dielectric", "thin dielectric"].contains(&self.name)
+    }
+
+    fn thin(self) -> Self {
+        Self { thin: true, ..self }
+    }
+
+    fn lossless(self) -> Self {
+        Self { lossless: true, ..self }
+    }
+
+    fn energy(self, energy: f64) -> Self {
+        Self { energy, ..self }
+    }
+
+    /// Outgoing directions: from grazing to normal, and from below where the material transmits.
+    fn outgoing(&self) -> Vec<[f32; 3]> {
+        let above = [0.15, 0.5, 0.95].map(|cos| direction(cos, 0.7 + cos));
+        let below = above.map(|[x, y, z]| [x, y, -z]);
+        if self.transmits() { above.into_iter().chain(below).collect() } else { above.to_vec() }
+    }
+}
+
+fn case(name: &'static str, narrowest: f64, material: impl Into<MaterialDescription>) -> Case {
+    Case { name, material: material.into(), narrowest, thin: false, lossless: false, energy: 1.002 }
+}
+
+fn flagged(material: Material, flag: u32) -> Material {
+    Material { flags: material.flags | flag, ..material }
+}
+
+fn principled(base: [f32; 3], roughness: f32, parameters: Principled) -> MaterialDescription {
+    material::principled(base, roughness, 1.5, parameters)
+}
+
+fn layered(base: [f32; 3], roughness: f32, layers: Layered) -> MaterialDescription {
+    material::layered(base, roughness, 1.5, layers)
+}
+
+fn cases() -> Vec<Case> {
+    let (eta, k) = ([0.2, 0.92, 1.1], [3.9, 2.45, 2.14]);
+    let colour = [0.9, 0.5, 0.2];
+    let metal = |alpha| material::conductor(eta, k, WHITE, Some(alpha));
+    let glass = |eta, alpha: f32| material::dielectric(eta, WHITE, WHITE, Some([alpha; 2]));
+    let none = Principled::default();
+    let plain = plain_layers(0.0);
+    vec![
+        case("diffuse", 1.0, material::diffuse([0.2, 0.5, 0.8])),
+        case("conductor", 1.0, material::conductor(eta, k, WHITE, None)),
+        case("rough conductor 0.001", 0.001, metal([0.001; 2])),
+        case("rough conductor 0.1", 0.1, metal([0.1; 2])),
+        case("rough conductor 0.5, correlated", 0.5, flagged(metal([0.5; 2]), MASKING_CORRELATED)),
+        case("rough conductor 0.2 x 0.6", 0.2, metal([0.2, 0.6])),
+        case("rough conductor 1.0", 1.0, metal([1.0; 2])),
+        case("Beckmann conductor 0.1", 0.1, MaterialDescription::from(metal([0.1; 2])).beckmann()),
+        case("Beckmann conductor 0.6 x 0.2", 0.2, MaterialDescription::from(metal([0.6, 0.2])).beckmann()),
+        case("dielectric", 1.0, material::dielectric(1.5, WHITE, WHITE, None)).lossless(),
+        case("thin dielectric", 1.0, material::thin_dielectric(1.5, WHITE, WHITE)).thin().lossless(),
+        case("rough dielectric 0.01", 0.01, glass(1.5, 0.01)),
+        case("rough dielectric 0.1", 0.1, glass(1.5, 0.1)),
+        case("rough dielectric 0.4", 0.4, glass(1.5, 0.4)),
+        case("rough dielectric 0.5 x 0.1", 0.1, material::dielectric(1.5, WHITE, WHITE, Some([0.5, 0.1]))),
+        case("rough dielectric 1.0, dense", 1.0, glass(2.4, 1.0)),
+        case("rough dielectric 0.3, thin", 0.3, glass(1.0 / 1.33, 0.3)),
+        case("Beckmann dielectric 0.2", 0.2, MaterialDescription::from(glass(1.5, 0.2)).beckmann()),
+        case("plastic", 1.0, material::plastic(1.5, WHITE, WHITE, false, None)).lossless(),
+        case("plastic, nonlinear", 1.0, material::plastic(1.9, colour, [0.5; 3], true, None)),
+        case("plastic without a highlight", 1.0, material::plastic(1.5, colour, [0.0; 3], false, None)),
+        case("rough plastic 0.1", 0.1, material::plastic(1.5, WHITE, WHITE, false, Some(0.1))),
+        case("rough plastic 0.4, nonlinear", 0.4, material::plastic(1.9, colour, WHITE, true, Some(0.4))),
+        case("Beckmann plastic 0.2", 0.2, material::plastic(1.5, colour, WHITE, false, Some(0.2)).beckmann()),
+        // Burley's diffuse lobe is independent of the specular one, which adds to it: white, 1.25 at most.
+        case("principled, plain", 0.25, principled(WHITE, 0.5, none)).energy(1.21),
+        case("principled, metallic", 0.16, principled(WHITE, 0.4, Principled { metallic: 1.0, ..none })),
+        case(
+            "principled, anisotropic",
+            0.07,
+            principled(colour, 0.5, Principled { metallic: 0.7, anisotropic: 0.9, ..none }),
+        ),
+        case(
+            "principled, clear coat",
+            0.03,
+            principled(colour, 0.6, Principled { clearcoat: 1.0, clearcoat_gloss: 0.7, ..none }),
+        )
+        .energy(1.14),
+        case(
+            "principled, glossy coat",
+            0.001,
+            principled(colour, 0.6, Principled { clearcoat: 1.0, clearcoat_gloss: 1.0, ..none }),
+        )
+        .energy(1.14),
+        case("principled, sheen", 0.5, principled(colour, 0.7, Principled { sheen: 1.0, sheen_tint: 0.5, ..none }))
+            .energy(1.3),
+        case("principled, glass", 0.16, principled(WHITE, 0.4, Principled { spec_trans: 1.0, ..none })),
+        case(
+            "principled, half glass",
+            0.25,
+            principled(colour, 0.5, Principled { spec_trans: 0.5, metallic: 0.2, ..none }),
+        ),
+        case("principled, flat", 0.36, principled(WHITE, 0.6, Principled { flatness: 1.0, ..none })).energy(1.45),
+        case("principled, tinted", 0.25, principled(colour, 0.5, Principled { spec_tint: 1.0, ..none })).energy(1.12),
+        // glTF weights the diffuse lobe by Fresnel's factor of the half vector, which towards grazing is less than what the
+        // specular lobe takes.
+        case("layered, dielectric", 0.16, layered(WHITE, 0.4, plain)).energy(1.24),
+        case("layered, metal", 0.09, layered(WHITE, 0.3, plain_layers(1.0))),
+        case("layered, half metal", 0.25, layered(colour, 0.5, plain_layers(0.5))),
+        case(
+            "layered, specular",
+            0.25,
+            layered(colour, 0.5, Layered { specular: 0.6, specular_colour: [2.0, 1.0, 0.5], ..plain }),
+        ),
+        case("layered, thin wall", 0.09, layered(WHITE, 0.3, Layered { transmission: 1.0, ..plain })).thin(),
+        case("layered, half thin wall", 0.25, layered(colour, 0.5, Layered { transmission: 0.6, ..plain })).thin(),
+        case("layered, volume", 0.16, layered(WHITE, 0.4, Layered { transmission: 1.0, is_volume: 1, ..plain })),
+        case(
+            "layered, coated volume",
+            0.01,
+            layered(
+                colour,
+                0.5,
+                Layered { transmission: 0.8, is_volume: 1, clearcoat: 1.0, clearcoat_roughness: 0.1, ..plain },
+            ),
+        ),
+        case(
+            "layered, coated wall",
+            0.04,
+            layered(WHITE, 0.5, Layered { transmission: 1.0, clearcoat: 0.8, clearcoat_roughness: 0.2, ..plain }),
+        )
+        .thin(),
+        case(
+            "layered, clear coat",
+            0.01,
+            layered(colour, 0.5, Layered { clearcoat: 1.0, clearcoat_roughness: 0.1, ..plain }),
+        ),
+        case(
+            "layered, sheen",
+            0.36,
+            layered(colour, 0.6, Layered { sheen_colour: WHITE, sheen_roughness: 0.4, ..plain }),
+        ),
+        case(
+            "layered, sheen on a wall",
+            0.25,
+            layered(
+                WHITE,
+                0.5,
+                Layered { transmission: 0.7, sheen_colour: [0.2, 0.5, 0.9], sheen_roughness: 0.8, ..plain },
+            ),
+        )
+        .thin(),
+    ]
+}
+
+struct Bench<'a> {
+    probe: Probe,
+    cases: Vec<Case>,
+    gpu: &'a Gpu,
+}
+
+impl<'a> Bench<'a> {
+    fn new(gpu: &'a Gpu, cases: Vec<Case>) -> Self {
+        let scene = with_materials(&cases.iter().map(|case| case.material.clone()).collect::<Vec<_>>());
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
+        Self { probe, cases, gpu }
+    }
+
+    fn ask(&self, queries: &[BsdfQuery]) -> Vec<BsdfAnswer> {
+        self.probe.run(queries).unwrap()
+    }
+
+    /// What becomes of `wo` for each of these numbers.
+    fn sample(&self, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> Vec<BsdfAnswer> {
+        let ask = |u: &[f32; 3]| BsdfQuery { material: material as u32, wo, wi: [0.0, 0.0, 1.0], u: *u };
+        self.ask(&numbers.iter().map(ask).collect::<Vec<_>>())
+    }
+
+    fn numbers(&self, count: usize, seed: u32) -> Vec<[f32; 3]> {
+        numbers(self.gpu, count, seed).into_iter().map(|[a, b, c, _]| [a, b, c]).collect()
+    }
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    DVec3::from(v.map(f64::from))
+}
+
+/// Where lobes of `wo` peak: the mirror direction on its side, the refracted one on the other.
+fn peaks(case: &Case, wo: [f32; 3]) -> [DVec3; 2] {
+    let w = vector(wo);
+    let mirror = DVec3::new(-w.x, -w.y, w.z);
+    let eta = f64::from(case.material.record.eta);
+    let eta = if w.z > 0.0 { eta } else { 1.0 / eta };
+    let cos2 = 1.0 - (1.0 - w.z * w.z) / (eta * eta);
+    let through =
+        if case.thin || cos2 <= 0.0 { -w } else { DVec3::new(-w.x / eta, -w.y / eta, -cos2.sqrt() * w.z.signum()) };
+    [mirror, through]
+}
+
+/// Samples fall where the density says (a chi-square test over rings around the peaks of the lobes), the density integrates
+/// to one with what is invalid, and f |cos| integrates to the albedo that sampling finds.
+#[test]
+fn bsdf_samples_follow_their_density() {
+    const RINGS: usize = 32;
+    const SECTORS: usize = 16;
+    const FINE: usize = 6;
+    const SAMPLES: usize = 60_000;
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, cases());
+        let samples = bench.numbers(SAMPLES, 11);
+        let mut findings = Findings::default();
+        let mut worst = (0.0f64, String::new());
+        for (material, case) in bench.cases.iter().enumerate().filter(|(_, case)| !case.is_delta()) {
+            for wo in case.outgoing() {
+                let name = format!("{}, wo.z = {:+.2}", case.name, wo[2]);
+                let sides = peaks(case, wo).map(|axis| {
+                    let first = (0.02 * case.narrowest).min(0.01);
+                    Rings::new(axis, first, std::f64::consts::PI, RINGS, SECTORS)
+                });
+                let mut points = Vec::new();
+                for (side, rings) in sides.iter().enumerate().take(if case.transmits() { 2 } else { 1 }) {
+                    let here = f64::from(wo[2]) * if side == 0 { 1.0 } else { -1.0 };
+                    let above = rings.points(FINE).into_iter().filter(|(w, _, _)| w.z * here > 0.0);
+                    points.extend(above.map(|(w, solid_angle, cell)| (w, solid_angle, side * rings.cells() + cell)));
+                }
+                let queries: Vec<_> = points
+                    .iter()
+                    .map(|(w, _, _)| BsdfQuery { material: material as u32, wo, wi: w.as_vec3().into(), u: [0.5; 3] })
+                    .collect();
+                let mut expected = vec![0.0; 2 * sides[0].cells()];
+                let mut integral = [0.0; 3];
+                for (answer, (_, solid_angle, cell)) in bench.ask(&queries).iter().zip(&points) {
+                    let sound = answer.pdf_w >= 0.0 && answer.pdf_w.is_finite();
+                    findings.check(sound, || format!("{name}: density {}", answer.pdf_w));
+                    expected[*cell] += f64::from(answer.pdf_w) * solid_angle * SAMPLES as f64;
+                    integral.iter_mut().zip(answer.value).for_each(|(sum, f)| *sum += f64::from(f) * solid_angle);
+                }
+                let mut observed = vec![0.0; expected.len()];
+                let mut others = 0.0; // invalid, or of a delta lobe
+                let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
+                for answer in bench.sample(material, wo, &samples) {
+                    if answer.sampled_pdf_w == 0.0 || answer.delta != 0 {
+                        others += 1.0;
+                        continue;
+                    }
+                    let wi = vector(answer.sampled);
+                    let side = usize::from(wi.z * f64::from(wo[2]) < 0.0);
+                    observed[side * sides[0].cells() + sides[side].cell(wi).unwrap()] += 1.0;
+                    for channel in 0..3 {
+                        sum[channel] += f64::from(answer.weight[channel]);
+                        squares[channel] += f64::from(answer.weight[channel]).powi(2);
+                    }
+                }
+                let z = chi_square_z(&observed, &expected);
+                let share = (expected.iter().sum::<f64>() + others) / SAMPLES as f64;
+                let count = SAMPLES as f64;
+                let mut off = 0.0f64;
+                for channel in 0..3 {
+                    let mean = sum[channel] / count;
+                    let sigma = ((squares[channel] / count - mean * mean).max(0.0) / count).sqrt();
+                    off = off.max((mean - integral[channel]).abs() / (4.0 * sigma + 5e-3 * mean + 1e-6));
+                }
+                println!(
+                    "{name}: chi-square z {z:+.2}, density {share:.4}, albedo {:.4} integrates to {:.4} ({off:.2} of the bound)",
+                    sum[1] / count,
+                    integral[1]
+                );
+                // p > 0.01 for all of them together (Sidak): z below 4 for about two hundred tests.
+                findings.check(z < 4.0, || format!("{name}: chi-square z {z:.2}"));
+                findings.check((share - 1.0).abs() < 0.012, || format!("{name}: the density integrates to {share:.4}"));
+                findings.check(off < 1.0, || {
+                    let mean = sum.map(|sum| sum / count);
+                    format!("{name}: albedo by sampling {mean:.4?}, by integration {integral:.4?}")
+                });
+                if z > worst.0 {
+                    worst = (z, name);
+                }
+            }
+        }
+        println!("largest chi-square z: {:.2}, {}", worst.0, worst.1);
+    });
+}
+
+/// weight = f |cos| / pdf, and what `sample` says of its direction is what `eval` and `pdf` say of it.
+#[test]
+fn bsdf_sample_eval_and_pdf_agree() {
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, cases());
+        let samples = bench.numbers(10_000, 77);
+        let mut findings = Findings::default();
+        for (material, case) in bench.cases.iter().enumerate().filter(|(_, case)| !case.is_delta()) {
+            // Rounding of directions moves narrow lobes in proportion to what they are wide.
+            let bound = (2e-2f32).max(2e-4 / case.narrowest as f32);
+            let mut worst = 0.0f32;
+            for wo in case.outgoing() {
+                for answer in bench.sample(material, wo, &samples) {
+                    // Directions along the surface amplify rounding without limit, as the density does.
+                    if answer.sampled_pdf_w == 0.0 || answer.delta != 0 || answer.sampled[2].abs() < 1e-3 {
+                        continue;
+                    }
+                    let relative = |a: f32, b: f32| (a - b).abs() / a.abs().max(b.abs()).max(1e-4);
+                    let pdf = relative(answer.sampled_pdf_w, answer.evaluated_pdf_w);
+                    let value = (0..3)
+                        .map(|c| relative(answer.weight[c] * answer.sampled_pdf_w, answer.sampled_value[c]))
+                        .fold(0.0, f32::max);
+                    worst = worst.max(pdf).max(value);
+                }
+            }
+            println!("{}: largest relative difference {worst:.1e}, bound {bound:.1e}", case.name);
+            findings.check(worst < bound, || format!("{}: {worst}", case.name));
+        }
+    });
+}
+
+/// Mean weight, each channel's, with the radiance that crossed into a medium of index eta taken back to what it was; of each
+/// of these materials.
+fn albedos(bench: &Bench, materials: &[usize], wo: [f32; 3], numbers: &[[f32; 3]]) -> Vec<[f64; 3]> {
+    let queries: Vec<_> = materials
+        .iter()
+        .flat_map(|material| {
+            let material = *material as u32;
+            numbers.iter().map(move |u| BsdfQuery { material, wo, wi: [0.0, 0.0, 1.0], u: *u })
+        })
+        .collect();
+    let answers = bench.ask(&queries);
+    let albedo = |(material, answers): (&usize, &[BsdfAnswer])| {
+        let case = &bench.cases[*material];
+        let eta = f64::from(case.material.record.eta);
+        let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
+        let mut sum = [0.0; 3];
+        for answer in answers {
+            let crossed = case.transmits() && !case.thin && answer.sampled[2] * wo[2] < 0.0;
+            let factor = if crossed { eta * eta } else { 1.0 };
+            sum.iter_mut().zip(answer.weight).for_each(|(sum, weight)| *sum += f64::from(weight) * factor);
+        }
+        sum.map(|sum| sum / answers.len() as f64)
+    };
+    materials.iter().zip(answers.chunks(numbers.len())).map(albedo).collect()
+}
+
+fn albedo(bench: &Bench, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> [f64; 3] {
+    albedos(bench, &[material], wo, numbers)[0]
+}
+
+/// No material gives back more than it gets; one that cannot lose anything gives all of it back.
+#[test]
+fn bsdf_energy_is_conserved() {
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, cases());
+        let samples = spread(16_384);
+        let mut findings = Findings::default();
+        for (material, case) in bench.cases.iter().enumerate() {
+            let (mut least, mut most) = (f64::MAX, 0.0f64);
+            for cos in [0.03, 0.1, 0.2, 0.4, 0.7, 1.0] {
+                for cos in [cos, -cos].into_iter().take(if case.transmits() { 2 } else { 1 }) {
+                    let albedo = albedo(&bench, material, direction(cos, 0.7), &samples);
+                    let peak = albedo.iter().copied().fold(0.0, f64::max);
+                    (least, most) = (least.min(peak), most.max(peak));
+                    findings.check(peak <= case.energy, || format!("{}, cos {cos}: albedo {albedo:.4?}", case.name));
+                    findings.check(!case.lossless || albedo.iter().all(|albedo| (albedo - 1.0).abs() < 2e-3), || {
+                        format!("{}, cos {cos}: albedo {albedo:.4?} of something lossless", case.name)
+                    });
+                }
+            }
+            println!("{}: albedo {least:.4} to {most:.4}, bound {}", case.name, case.energy);
+            findings.check(least > 0.1, || format!("{}: albedo {least}", case.name));
+            // A bound that is not 1 says how far the model goes over, and no further.
+            findings.check(case.energy < 1.01 || most > case.energy - 0.05, || {
+                format!("{}: albedo {most}, and the bound is {}", case.name, case.energy)
+            });
+        }
+    });
+}
+
+/// f(wo, wi) = f(wi, wo), with the factor eta^2 between the two sides of a dielectric (Veach 1997, equation 5.14). All of
+/// these models are reciprocal.
+#[test]
+fn bsdfs_are_reciprocal() {
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, cases());
+        let uniform = bench.numbers(40_000, 31);
+        let mut findings = Findings::default();
+        for (material, case) in bench.cases.iter().enumerate().filter(|(_, case)| !case.is_delta()) {
+            // Half of the pairs anywhere, half near the peaks.
+            let mut pairs = Vec::new();
+            for (index, two) in uniform.chunks_exact(2).enumerate() {
+                let [a, b] = [two[0], two[1]].map(|[a, b, _]| direction(2.0 * a - 1.0, std::f32::consts::TAU * b));
+                if index % 2 == 0 {
+                    pairs.push((a, b));
+                } else {
+                    let axis = peaks(case, a)[usize::from(two[0][2] < 0.5)];
+                    pairs.push((a, (axis + vector(b) * case.narrowest).normalize().as_vec3().into()));
+                }
+            }
+            pairs.retain(|(a, b)| case.transmits() || a[2] > 0.0 && b[2] > 0.0);
+            pairs.retain(|(a, b)| a[2].abs() > 1e-2 && b[2].abs() > 1e-2);
+            let ask = |wo, wi| BsdfQuery { material: material as u32, wo, wi, u: [0.5; 3] };
+            let there = bench.ask(&pairs.iter().map(|(a, b)| ask(*a, *b)).collect::<Vec<_>>());
+            let back = bench.ask(&pairs.iter().map(|(a, b)| ask(*b, *a)).collect::<Vec<_>>());
+            let (mut worst, mut compared) = ((0.0f64, String::new()), 0);
+            for (((a, b), there), back) in pairs.iter().zip(&there).zip(&back) {
+                let eta2 = f64::from(case.material.record.eta).powi(2);
+                for channel in 0..3 {
+                    // Of the BSDF itself: f |cos| over the cosine of the incident direction.
+                    let mut f = f64::from(there.value[channel]) / f64::from(b[2].abs());
+                    let mut g = f64::from(back.value[channel]) / f64::from(a[2].abs());
+                    if a[2] * b[2] < 0.0 && !case.thin {
+                        // Light that comes along b and leaves along a: f / eta_a^2 = g / eta_b^2, eta being the index of
+                        // the medium that a direction lies in: 1 above, the material's below.
+                        if b[2] < 0.0 {
+                            f *= eta2;
+                        } else {
+                            g *= eta2;
+                        }
+                    }
+                    if f.max(g) > 1e-4 {
+                        compared += 1;
+                        let difference = (f - g).abs() / f.max(g);
+                        if difference > worst.0 {
+                            worst = (difference, format!("{a:?} {b:?}: {f} against {g}"));
+                        }
+                    }
+                }
+            }
+            println!("{}: largest relative difference {:.1e} of {compared}", case.name, worst.0);
+            findings.check(compared > 5_000, || format!("{}: only {compared} compared", case.name));
+            findings.check(worst.0 < 1e-5, || format!("{}: {:.1e}, {}", case.name, worst.0, worst.1));
+        }
+    });
+}
+
+/// Families of materials over roughness (alpha = roughness^2), white, with the bound on their albedo.
+type Family = (&'static str, fn(f32) -> MaterialDescription, f64);
+
+const FAMILIES: &[Family] = &[
+    ("GGX conductor", |r| material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([r * r; 2])).into(), 1.002),
+    (
+        "Beckmann conductor",
+        |r| MaterialDescription::from(material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([r * r; 2]))).beckmann(),
+        1.002,
+    ),
+    ("GGX dielectric", |r| material::dielectric(1.5, WHITE, WHITE, Some([r * r; 2])).into(), 1.002),
+    (
+        "Beckmann dielectric",
+        |r| MaterialDescription::from(material::dielectric(1.5, WHITE, WHITE, Some([r * r; 2]))).beckmann(),
+        1.002,
+    ),
+    ("GGX plastic", |r| material::plastic(1.5, WHITE, WHITE, false, Some(r * r)), 1.002),
+    ("Beckmann plastic", |r| material::plastic(1.5, WHITE, WHITE, false, Some(r * r)).beckmann(), 1.002),
+    ("principled metal", |r| principled(WHITE, r, Principled { metallic: 1.0, ..Principled::default() }), 1.002),
+    ("principled glass", |r| principled(WHITE, r, Principled { spec_trans: 1.0, ..Principled::default() }), 1.002),
+    ("principled", |r| principled(WHITE, r, Principled::default()), 1.58),
+    ("layered metal", |r| layered(WHITE, r, plain_layers(1.0)), 1.002),
+    ("layered wall", |r| layered(WHITE, r, Layered { transmission: 1.0, ..plain_layers(0.0) }), 1.002),
+    ("layered glass", |r| layered(WHITE, r, Layered { transmission: 1.0, is_volume: 1, ..plain_layers(0.0) }), 1.002),
+    ("layered dielectric", |r| layered(WHITE, r, plain_layers(0.0)), 1.84),
+    (
+        "layered sheen on metal",
+        |r| layered(WHITE, 0.3, Layered { sheen_colour: WHITE, sheen_roughness: r, ..plain_layers(1.0) }),
+        1.002,
+    ),
+    (
+        "layered coat on metal",
+        |r| layered(WHITE, 0.3, Layered { clearcoat: 1.0, clearcoat_roughness: r, ..plain_layers(1.0) }),
+        1.002,
+    ),
+];
+
+/// Twenty roughnesses by ten angles.
+#[test]
+fn energy_is_conserved_over_roughness_and_angle() {
+    const ANGLES: [f32; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
+    with_gpu(|gpu| {
+        let samples = spread(4096);
+        let mut findings = Findings::default();
+        for (name, family, bound) in FAMILIES {
+            let cases = (1..=20).map(|step| case(name, 1.0, family(step as f32 / 20.0)));
+            let cases: Vec<_> = cases.map(|case| if *name == "layered wall" { case.thin() } else { case }).collect();
+            let bench = Bench::new(gpu, cases);
+            let (mut most, mut least) = ((0.0f64, String::new()), f64::MAX);
+            for cos in ANGLES.into_iter().chain(ANGLES.map(|cos| -cos)) {
+                let all: Vec<_> =
+                    (0..bench.cases.len()).filter(|index| cos > 0.0 || bench.cases[*index].transmits()).collect();
+                for (material, albedo) in all.iter().zip(albedos(&bench, &all, direction(cos, 0.7), &samples)) {
+                    let peak = albedo.iter().copied().fold(0.0, f64::max);
+                    least = least.min(peak);
+                    if peak > most.0 {
+                        most = (peak, format!("roughness {:.2}, cos {cos}", 0.05 * (material + 1) as f64));
+                    }
+                }
+            }
+            println!("{name}: albedo {least:.4} to {:.4} at {}, bound {bound}", most.0, most.1);
+            findings.check(most.0 <= *bound, || format!("{name}: albedo {:.4} at {}", most.0, most.1));
+        }
+    });
+}
+
+/// Nothing overflows or divides by zero as roughness or the angle to the surface vanish, and a microfacet that sampling
+/// chose by what is visible never weighs more than one.
+#[test]
+fn nothing_breaks_as_roughness_vanishes() {
+    let roughness: Vec<f32> = (0..=10).map(|step| 10f32.powf(-0.25 * step as f32)).collect(); // alpha 1 to 1e-5
+    let cosines = [1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-6];
+    with_gpu(|gpu| {
+        let samples = numbers(gpu, 512, 3).into_iter().map(|[a, b, c, _]| [a, b, c]).collect::<Vec<_>>();
+        let mut findings = Findings::default();
+        for (name, family, _) in FAMILIES {
+            let bench = Bench::new(gpu, roughness.iter().map(|r| case(name, 1.0, family(*r))).collect());
+            let mut heaviest = 0.0f32;
+            for (material, r) in roughness.iter().enumerate() {
+                let transmits = bench.cases[material].transmits();
+                for cos in cosines.into_iter().flat_map(|cos| [cos, -cos]).filter(|cos| *cos > 0.0 || transmits) {
+                    let eta2 = if transmits { bench.cases[material].material.record.eta.powi(2) } else { 1.0 };
+                    for answer in bench.sample(material, direction(cos, 0.7), &samples) {
+                        let all = [answer.pdf_w, answer.sampled_pdf_w, answer.evaluated_pdf_w].into_iter();
+                        let all = all.chain(answer.value).chain(answer.weight).chain(answer.sampled_value);
+                        let all: Vec<_> = all.chain(answer.sampled).collect();
+                        let finite = all.iter().all(|value| value.is_finite());
+                        findings.check(finite, || format!("{name}, alpha {:.0e}, cos {cos}: {answer:?}", r * r));
+                        heaviest = heaviest.max(answer.weight[0] / eta2);
+                    }
+                }
+            }
+            println!("{name}: largest weight {heaviest:.3}");
+            let bounded = matches!(*name, "GGX conductor" | "GGX dielectric" | "principled metal" | "layered metal");
+            findings.check(!bounded || heaviest < 1.01, || format!("{name}: weight {heaviest}"));
+        }
+    });
+}
+
+/// A rough material whose roughness vanishes reflects what the smooth one does.
+#[test]
+fn the_smooth_ones_are_the_limit() {
+    let (eta, k) = ([0.2, 0.92, 1.1], [3.9, 2.45, 2.14]);
+    let almost = Some([1e-4; 2]);
+    let pairs: Vec<[MaterialDescription; 2]> = vec![
+        [material::conductor(eta, k, WHITE, almost).into(), material::conductor(eta, k, WHITE, None).into()],
+        [material::dielectric(1.5, WHITE, WHITE, almost).into(), material::dielectric(1.5, WHITE, WHITE, None).into()],
+        [
+            material::plastic(1.5, [0.5; 3], WHITE, false, Some(1e-4)),
+            material::plastic(1.5, [0.5; 3], WHITE, false, None),
+        ],
+        [principled(WHITE, 0.03, Principled { spec_trans: 1.0, ..Principled::default() }), {
+            material::dielectric(1.5, WHITE, WHITE, None).into()
+        }],
+    ];
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, pairs.into_iter().flatten().map(|material| case("", 1.0, material)).collect());
+        let samples = spread(16_384);
+        let mut findings = Findings::default();
+        for pair in 0..bench.cases.len() / 2 {
+            for cos in [0.1, 0.3, 0.6, 1.0] {
+                let [rough, smooth] = [0, 1].map(|side| albedo(&bench, 2 * pair + side, direction(cos, 0.7), &samples));
+                println!("pair {pair}, cos {cos}: {rough:.4?} against {smooth:.4?}");
+                let near = (0..3).all(|channel| (rough[channel] - smooth[channel]).abs() < 5e-3);
+                findings.check(near, || format!("pair {pair}, cos {cos}: {rough:.4?} against {smooth:.4?}"));
+            }
+        }
+    });
+}
+
+/// Albedo of GGX with Smith's height-correlated masking and a Fresnel factor of 1: 1 - ln 2 at normal incidence for
+/// alpha = 1 in closed form, 0.4507 at cos = 0.5, by quadrature.
+#[test]
+fn ggx_albedo_is_the_known_one() {
+    let mut mirror = material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([1.0; 2]));
+    mirror.flags = MASKING_CORRELATED;
+    let scene = with_materials(&[mirror.into()]);
+    with_gpu(|gpu| {
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
+        let numbers = numbers(gpu, 1 << 20, 9);
+        for (cos, expected) in [(1.0, 1.0 - std::f64::consts::LN_2), (0.5, 0.4507)] {
+            let queries: Vec<_> = numbers
+                .iter()
+                .map(|row| BsdfQuery {
+                    material: 0,
+                    wo: direction(cos, 0.3),
+                    wi: [0.0, 0.0, 1.0],
+                    u: [row[0], row[1], row[2]],
+                })
+                .collect();
+            let answers: Vec<BsdfAnswer> = probe.run(&queries).unwrap();
+            let albedo = answers.iter().map(|answer| f64::from(answer.weight[0])).sum::<f64>() / answers.len() as f64;
+            println!("alpha 1, cos {cos}: albedo {albedo:.5} against {expected:.5}");
+            assert!((albedo - expected).abs() < 1.5e-3, "cos {cos}: {albedo} against {expected}");
+        }
+    });
+}
+
+/// Fresnel's and Snell's laws of smooth glass: 4 % at normal incidence, total reflection beyond the critical angle.
+#[test]
+fn smooth_glass_follows_fresnel_and_snell() {
+    let scene = with_materials(&[material::dielectric(1.5, WHITE, WHITE, None).into()]);
+    with_gpu(|gpu| {
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
+        let ask = |wo: [f32; 3], lobe: f32| -> BsdfAnswer {
+            let answers: Vec<BsdfAnswer> =
+                probe.run(&[BsdfQuery { material: 0, wo, wi: [0.0, 0.0, 1.0], u: [0.5, 0.5, lobe] }]).unwrap();
+            answers[0]
+        };
+        let (reflected, refracted) = (0.0, 0.999_999);
+        assert!((ask([0.0, 0.0, 1.0], reflected).sampled_pdf_w - 0.04).abs() < 1e-6);
+        assert!((ask([0.0, 0.0, -1.0], reflected).sampled_pdf_w - 0.04).abs() < 1e-6);
+        for cos in [0.05f32, 0.3, 0.7, 0.95] {
+            let wo = direction(cos, 1.1);
+            let answer = ask(wo, refracted);
+            let (sin_i, sin_t) = ((1.0 - cos * cos).sqrt(), answer.sampled[0].hypot(answer.sampled[1]));
+            assert!((sin_i - 1.5 * sin_t).abs() < 1e-5, "Snell at cos {cos}: {sin_i} against 1.5 x {sin_t}");
+            assert!(answer.sampled[2] < 0.0);
+            // Fresnel's equations in double precision.
+            let (cos_i, cos_t) = (f64::from(cos), (1.0 - (f64::from(sin_i) / 1.5).powi(2)).sqrt());
+            let parallel = (1.5 * cos_i - cos_t) / (1.5 * cos_i + cos_t);
+            let perpendicular = (cos_i - 1.5 * cos_t) / (cos_i + 1.5 * cos_t);
+            let expected = 0.5 * (parallel * parallel + perpendicular * perpendicular);
+            let found = f64::from(ask(wo, reflected).sampled_pdf_w);
+            assert!((found - expected).abs() < 1e-6, "Fresnel at cos {cos}: {found} against {expected}");
+        }
+        // From inside, the critical angle has sin = 1 / 1.5.
+        let critical = (1.0 - 1.0 / 2.25f32).sqrt();
+        assert_eq!(ask(direction(-(critical - 1e-4), 0.2), refracted).sampled_pdf_w, 1.0, "total internal reflection");
+        assert!(ask(direction(-(critical + 1e-3), 0.2), refracted).sampled[2] > 0.0, "refraction just before it");
+    });
+}
