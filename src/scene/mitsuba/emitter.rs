@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::Result;
-use crate::scene::light::Lamp;
+use crate::scene::light::{Falloff, Lamp};
 
 const SUPPORTED: [&str; 4] = ["point", "spot", "directional", "constant"];
 
@@ -36,6 +36,7 @@ impl Loader {
                     intensity: object.colour("intensity", Colour::Emission, 1.0)?,
                     cutoff: cutoff.to_radians(),
                     beam_width: beam_width.to_radians(),
+                    falloff: Falloff::Angle,
                     texture: None,
                 });
             }
