@@ -86,11 +86,11 @@ fn lux_on_a_known_base_colour() {
 
 #[test]
 fn candela_at_one_metre_and_the_spot_of_gltf() {
-    // The camera sees a hundredth of the square, where the light is at one metre and falls at right angles.
+    // The camera sees a thousandth of the square, where the light is at one metre and falls at right angles.
     let lit = |light: Value| {
         let mut file = Gltf::new();
-        file.json["cameras"][0]["orthographic"]["xmag"] = json!(0.01);
-        file.json["cameras"][0]["orthographic"]["ymag"] = json!(0.01);
+        file.json["cameras"][0]["orthographic"]["xmag"] = json!(0.001);
+        file.json["cameras"][0]["orthographic"]["ymag"] = json!(0.001);
         let mesh = file.square(matte([0.5; 3]), json!({}));
         file.node(json!({"mesh": mesh}));
         let tilt = light["tilt"].as_f64().unwrap_or(0.0);
@@ -123,9 +123,8 @@ fn metal_shows_an_emitter_in_its_colour() {
     let mirror = file.square(metal, json!({}));
     let (sin, cos) = (PI / 8.0).sin_cos();
     file.node(json!({"mesh": mirror, "rotation": [0, sin, 0, cos], "scale": [2, 2, 1]}));
-    let light = json!({
-        "emissiveFactor": [1, 1, 1], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}}
-    });
+    let strength = json!({"KHR_materials_emissive_strength": {"emissiveStrength": 2}});
+    let light = with(matte([0.0; 3]), json!({"emissiveFactor": [1, 1, 1], "extensions": strength}));
     let light = file.square(light, json!({}));
     file.node(json!({"mesh": light, "translation": [4, 0, 0], "rotation": [0, -FRAC_1_SQRT_2, 0, FRAC_1_SQRT_2], "scale": [9, 9, 1]}));
     let weight = (1.0 - FRAC_1_SQRT_2).powi(5);
@@ -216,7 +215,7 @@ fn alpha_masks_and_blends() {
         let mut file = textured(&texels, json!({}));
         merge(&mut file.json["materials"][0], mode);
         backdrop(&mut file, [1.0; 3]);
-        quarters(&film(&file.load(), 1024)).map(|quarter| quarter[0])
+        quarters(&film(&file.load(), 8192)).map(|quarter| quarter[0])
     };
     for (what, mode, expected) in [
         ("opaque", json!({}), [0.0; 4]),
@@ -247,7 +246,7 @@ fn alpha_masks_and_blends() {
         backdrop(&mut file, [1.0; 3]);
         file.load()
     };
-    expect("plain blend", &plain("BLEND", 0.25), 1024, [0.75; 3]);
+    expect("plain blend", &plain("BLEND", 0.25), 4096, [0.75; 3]);
     expect("plain mask below", &plain("MASK", 0.25), 4, [1.0; 3]);
     expect("plain mask above", &plain("MASK", 0.75), 4, [0.0; 3]);
 }
@@ -438,8 +437,8 @@ fn vertex_colours_multiply_the_base_colour() {
 
 #[test]
 fn normal_maps_tilt_the_normal() {
-    // The map says n = (sin 30, 0, cos 30) or (0, sin 30, cos 30), +y up in the image; light comes at 60 degrees from +x,
-    // -x, +y or -y. The expected cosine is that between them, 30 or 90 + 30 degrees (dark).
+    // The map says n = (sin 30, 0, cos 30) or (0, sin 30, cos 30), +y up in the image; light comes at 60 degrees from +x or
+    // +y, 30 degrees from the normal, or at 70 degrees from the other side, below its horizon.
     let byte = |value: f64| ((value * 0.5 + 0.5) * 255.0).round();
     let vector = |bytes: [f64; 3]| glam::DVec3::from(bytes.map(|b| b / 255.0 * 2.0 - 1.0)).normalize();
     for (axis, texel) in [(0, [0.5, 0.0, 0.75f64.sqrt()]), (1, [0.0, 0.5, 0.75f64.sqrt()])] {
@@ -460,55 +459,411 @@ fn normal_maps_tilt_the_normal() {
             let material = with(matte([0.5; 3]), json!({"normalTexture": {"index": texture}}));
             let mesh = file.square(material, more);
             file.node(json!({"mesh": mesh}));
-            // A light that travels along -z, turned so that it comes from 60 degrees off.
-            let (sin, cos) = (PI / 6.0).sin_cos();
+            // A light that travels along -z, turned so that it comes from the side.
+            let angle: f64 = if sign > 0.0 { PI / 3.0 } else { PI / 18.0 * 7.0 };
+            let (sin, cos) = (angle / 2.0).sin_cos();
             let rotation = if axis == 0 { [0.0, sign * sin, 0.0, cos] } else { [-sign * sin, 0.0, 0.0, cos] };
             file.light(json!({"type": "directional", "intensity": 1}), json!({"rotation": rotation}));
-            let mut light = glam::DVec3::new(0.0, 0.0, 0.5);
-            light[axis] = sign * 0.75f64.sqrt();
+            let mut light = glam::DVec3::new(0.0, 0.0, angle.cos());
+            light[axis] = sign * angle.sin();
             let cosine = light.dot(normal).max(0.0);
-            assert!(if sign > 0.0 { (cosine - 0.866).abs() < 0.01 } else { cosine < 0.01 }, "{cosine}");
-            let scene = file.load();
-            let expected = if sign > 0.0 { 0.5 / PI * cosine } else { 0.0 };
-            expect(&format!("normal map, axis {axis}, from {sign}, given: {given_tangents}"), &scene, 4, [expected; 3]);
+            assert!(if sign > 0.0 { (cosine - 0.866).abs() < 0.01 } else { cosine == 0.0 }, "{cosine}");
+            let what = format!("normal map, axis {axis}, from {sign}, given: {given_tangents}");
+            expect(&what, &file.load(), 4, [0.5 / PI * cosine; 3]);
         }
     }
 }
 
 #[test]
 fn mirrored_normal_maps_keep_their_handedness() {
-    // The same map on a square that its node mirrors in x: its tangent points along -x, so the tilt goes to -x and light
-    // from +x is at 90 degrees; alone, used twice, and with tangents of the file or computed.
-    for (twice, given) in [(false, false), (true, false), (false, true), (true, true)] {
-        let mut file = Gltf::new();
-        // Tilted up and to the right: (0.5, 0.5, sqrt(0.5)).
-        let texture = file.texture(&png(2, 2, &[[191, 191, 218, 255]; 4]));
-        let normals: Vec<f32> = [0.0, 0.0, 1.0].repeat(4);
-        let normals = file.accessor(&floats(&normals), F32, "VEC3", 4, json!({}));
-        let tangents: Vec<f32> = [1.0, 0.0, 0.0, 1.0].repeat(4);
-        let tangents = file.accessor(&floats(&tangents), F32, "VEC4", 4, json!({}));
-        let more = match given {
-            true => json!({"attributes": {"NORMAL": normals, "TANGENT": tangents}}),
-            false => json!({"attributes": {"NORMAL": normals}}),
-        };
-        let mesh = file.square(with(matte([0.5; 3]), json!({"normalTexture": {"index": texture}})), more);
-        file.node(json!({"mesh": mesh, "scale": [-1, 1, 1]}));
-        if twice {
-            file.node(json!({"mesh": mesh, "translation": [50, 0, 0]}));
+    // A map tilted to the right and up, n = (a, b, c), on a square that its node mirrors in x: seen from outside it is
+    // (-a, b, c). Light at 45 degrees from +x has the cosine (c - a) / sqrt 2, from +y (c + b) / sqrt 2.
+    let n = (glam::DVec3::new(160.0, 191.0, 230.0) / 127.5 - 1.0).normalize();
+    let normals: Vec<f32> = [0.0, 0.0, 1.0].repeat(4);
+    let tangents: Vec<f32> = [1.0, 0.0, 0.0, 1.0].repeat(4);
+    let (sin, cos) = (PI / 8.0).sin_cos();
+    for (what, rotation, cosine) in [("+x", [0.0, sin, 0.0, cos], n.z - n.x), ("+y", [-sin, 0.0, 0.0, cos], n.z + n.y)]
+    {
+        for (twice, given) in [(false, false), (true, false), (false, true), (true, true)] {
+            let mut file = Gltf::new();
+            let texture = file.texture(&png(2, 2, &[[160, 191, 230, 255]; 4]));
+            let normals = file.accessor(&floats(&normals), F32, "VEC3", 4, json!({}));
+            let tangents = file.accessor(&floats(&tangents), F32, "VEC4", 4, json!({}));
+            let more = match given {
+                true => json!({"attributes": {"NORMAL": normals, "TANGENT": tangents}}),
+                false => json!({"attributes": {"NORMAL": normals}}),
+            };
+            let material = with(matte([0.5; 3]), json!({"normalTexture": {"index": texture}}));
+            let mesh = file.square(material, more);
+            file.node(json!({"mesh": mesh, "scale": [-1, 1, 1]}));
+            if twice {
+                file.node(json!({"mesh": mesh, "translation": [50, 0, 0]}));
+            }
+            file.light(json!({"type": "directional", "intensity": 1}), json!({"rotation": rotation}));
+            let what = format!("light from {what}, used twice: {twice}, tangents given: {given}");
+            expect(&what, &file.load(), 4, [0.5 / PI * cosine * FRAC_1_SQRT_2; 3]);
         }
-        sun(&mut file, 1.0);
-        file.light(
-            json!({"type": "directional", "intensity": 1}),
-            json!({"rotation": [-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2]}),
-        );
-        // From +z and from +y: n_z + n_y, neither changed by the mirror.
-        let n = glam::DVec3::new(191.0, 191.0, 218.0) / 127.5 - 1.0;
-        let n = n.normalize();
-        // Light from +y alone grazes the square: it is below none of the two frames' horizons but the surface's own, so
-        // it is tilted towards it by the map and counts by the shading normal only where the surface faces it.
-        let _ = n;
-        let scene = file.load();
-        let up = common::average(&film(&scene, 4))[0].mean * PI / 0.5;
-        assert!((up - n.z).abs() < 0.01 || (up - n.z - n.y).abs() < 0.01, "{up} against {} or {}", n.z, n.z + n.y);
     }
+}
+
+#[test]
+fn environments_come_from_extras() {
+    // Eight columns: the image's left edge is -z, a quarter +x, its middle +z; a camera that looks along -z sees the first
+    // and the last column. Turned by a quarter counter-clockwise, +x of the image, columns 1 and 2, comes to -z.
+    let mut texels = vec![[0, 0, 0, 255]; 32];
+    for row in 0..4 {
+        for (column, value) in [(0, 255), (7, 255), (1, 188), (2, 188)] {
+            texels[8 * row + column] = [value, value, value, 255];
+        }
+    }
+    let sky = png(8, 4, &texels);
+    let seen = |degrees: f64| {
+        let mut file = Gltf::default();
+        let view = json!({"yfov": 0.1, "aspectRatio": 2, "znear": 0.1});
+        let camera = file.add("cameras", json!({"type": "perspective", "perspective": view}));
+        file.node(json!({"camera": camera}));
+        let environment = json!({"uri": "sky.png", "intensity": 3, "rotation_degrees": degrees});
+        file.json["scenes"][0]["extras"] = json!({"lumbre": {"environment": environment}, "other": 1});
+        let mut scene = file.try_load(&[("sky.png", &sky)]).unwrap();
+        assert_eq!((scene.film.width, scene.film.height), (1024, 512), "by the camera's aspect ratio");
+        (scene.film.width, scene.film.height) = (16, 8);
+        scene
+    };
+    expect("as it is", &seen(0.0), 4, [3.0; 3]);
+    expect("turned", &seen(90.0), 4, [3.0 * 0.502_886; 3]);
+    let mut file = Gltf::default();
+    file.json["scenes"][0]["extras"] = json!({"lumbre": {"environment": {"uri": "../sky.png"}}});
+    let error = file.try_load(&[]).unwrap_err().to_string();
+    assert!(error.contains("scenes[0].extras.lumbre.environment") && error.contains("leaves"), "{error}");
+    file.json["scenes"][0]["extras"] = json!({"lumbre": {"enviroment": {}}});
+    let error = file.try_load(&[]).unwrap_err().to_string();
+    assert!(error.contains("enviroment") && error.contains("`environment`"), "{error}");
+}
+
+#[test]
+fn perspective_cameras_see_by_their_vertical_angle() {
+    // At distance 2 the camera sees 4 up and 8 across; an emitter of half of that each way fills the upper right quarter.
+    let mut file = Gltf::default();
+    let view = json!({"yfov": PI / 2.0, "aspectRatio": 2, "znear": 0.1});
+    let camera = file.add("cameras", json!({"type": "perspective", "perspective": view, "name": "wide"}));
+    file.node(json!({"camera": camera, "translation": [3, 0, 0], "rotation": [0, FRAC_1_SQRT_2, 0, FRAC_1_SQRT_2]}));
+    let mesh = file.square(with(matte([0.0; 3]), json!({"emissiveFactor": [1, 1, 1]})), json!({}));
+    // The camera looks along -x: what is to its right is at -z.
+    let turn = [0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2];
+    file.node(json!({"mesh": mesh, "translation": [1, 1, -2], "rotation": turn, "scale": [2, 1, 1]}));
+    let mut scene = file.load();
+    assert_eq!(scene.cameras[0].name, "wide");
+    (scene.film.width, scene.film.height) = (16, 8);
+    let found = quarters(&film(&scene, 16)).map(|quarter| quarter[0].mean);
+    for (found, expected) in found.into_iter().zip([0.0, 1.0, 0.0, 0.0]) {
+        assert!((found - expected).abs() < 1e-6, "{found} against {expected}");
+    }
+}
+
+#[test]
+fn layers_reach_the_material() {
+    let mut file = Gltf::new();
+    let one = file.texture(&png(1, 1, &[[255, 255, 255, 128]]));
+    let other = json!({"index": one, "texCoord": 1});
+    let info = json!({"index": one});
+    let material = json!({
+        "doubleSided": true,
+        "pbrMetallicRoughness": {
+            "metallicFactor": 0.25, "roughnessFactor": 0.5, "baseColorFactor": [0.1, 0.2, 0.3, 0.4],
+            "metallicRoughnessTexture": info
+        },
+        "normalTexture": {"index": one, "scale": 0.5, "extensions": {"KHR_texture_transform": {"scale": [2, 3]}}},
+        "occlusionTexture": other,
+        "emissiveTexture": info,
+        "emissiveFactor": [1, 2, 3],
+        "extensions": {
+            "KHR_materials_clearcoat": {
+                "clearcoatFactor": 0.6, "clearcoatRoughnessFactor": 0.7, "clearcoatTexture": other,
+                "clearcoatRoughnessTexture": info
+            },
+            "KHR_materials_emissive_strength": {"emissiveStrength": 10},
+            "KHR_materials_ior": {"ior": 1.25},
+            "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3], "sheenRoughnessFactor": 0.8},
+            "KHR_materials_specular": {"specularFactor": 0.9, "specularColorFactor": [1, 2, 3], "specularTexture": info},
+            "KHR_materials_transmission": {"transmissionFactor": 0.45, "transmissionTexture": info},
+            "KHR_materials_volume":
+                {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 1, 0]},
+            "KHR_materials_iridescence": {"iridescenceFactor": 1}
+        }
+    });
+    let mesh = file.square(material, json!({}));
+    file.node(json!({"mesh": mesh}));
+    file.json["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_materials_ior"]);
+    let scene = file.load();
+    let (record, layers) = (scene.materials[0], scene.layereds[0]);
+    assert_eq!((record.reflectance, record.alpha_u, record.eta), ([0.1, 0.2, 0.3], 0.5, 1.25));
+    assert_eq!((layers.metallic, layers.specular, layers.specular_colour), (0.25, 0.9, [1.0, 2.0, 3.0]));
+    assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (0.6, 0.7));
+    assert_eq!((layers.sheen_colour, layers.sheen_roughness), ([0.1, 0.2, 0.3], 0.8));
+    assert_eq!((layers.transmission, layers.is_volume), (0.45, 1));
+    // -ln(0.5) / 2, nothing, and as good as black.
+    assert!((layers.absorption[0] - 0.346_574).abs() < 1e-5 && layers.absorption[1] == 0.0, "{:?}", layers.absorption);
+    assert_eq!(layers.absorption[2], 35.0);
+    assert_eq!(scene.surfaces[0].emission, [10.0, 20.0, 30.0]);
+    assert_eq!((scene.surfaces[0].front, scene.surfaces[0].back), (0, 0));
+    let textures = scene.material_textures[0];
+    let channel = |texture: u32| scene.textures[texture as usize].channel;
+    assert_eq!((channel(textures.roughness), channel(textures.metallic)), (1, 2));
+    assert_eq!((channel(layers.specular_texture), channel(layers.transmission_texture)), (3, 0));
+    assert_eq!(channel(layers.clearcoat_roughness_texture), 1);
+    assert_eq!(textures.normal_scale, 0.5);
+    assert_eq!(scene.textures[textures.normal as usize].row_u, [2.0, 0.0, 0.0]);
+    assert_eq!(layers.clearcoat_texture, lumbre::layout::NONE, "another set of coordinates");
+    assert_eq!(scene.images.len(), 2, "one image as colours, one as numbers");
+    for expected in ["'KHR_materials_iridescence' is not read", "clearcoatTexture uses TEXCOORD_1"] {
+        assert!(scene.warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn unlit_materials_emit_their_base_colour() {
+    let mut file = textured(&FOUR, json!({}));
+    merge(&mut file.json["materials"][0], json!({"extensions": {"KHR_materials_unlit": {}}}));
+    let scene = file.load();
+    assert!(scene.warnings.iter().any(|warning| warning.contains("unlit")), "{:?}", scene.warnings);
+    expect_quarters("unlit", &scene, [0, 1, 2, 3]);
+}
+
+/// The message of a file that must be refused: one line that names the file.
+fn refused(bytes: &[u8], name: &str) -> String {
+    let error = load(bytes, name, &[]).expect_err(&format!("should be refused:\n{}", String::from_utf8_lossy(bytes)));
+    assert_eq!(error.exit_status(), 2, "{error}");
+    let message = error.to_string();
+    assert!(!message.contains('\n'), "one line: {message}");
+    assert!(message.contains(name), "the message names the file: {message}");
+    message
+}
+
+/// A file with a textured square, an accessor of each kind and a light.
+fn sound() -> Gltf {
+    let mut file = textured(&FOUR, json!({}));
+    let colours = file.accessor(&floats(&[0.5; 16]), F32, "VEC4", 4, json!({}));
+    let (at, values) = (file.view(&[0], json!({})), file.view(&floats(&[-1.0, -1.0, 0.0]), json!({})));
+    let sparse = json!({"sparse": {
+        "count": 1, "indices": {"bufferView": at, "componentType": U8}, "values": {"bufferView": values}
+    }});
+    let positions = file.accessor(&floats(&SQUARE), F32, "VEC3", 4, sparse);
+    let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
+    merge(attributes, json!({"POSITION": positions, "COLOR_0": colours}));
+    file
+}
+
+#[test]
+fn broken_files_name_what_is_wrong() {
+    let good = sound();
+    assert!(good.try_load(&[]).is_ok());
+    let accessor = good.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].as_u64().unwrap() as usize;
+    let position = "meshes[0].primitives[0].attributes.POSITION";
+    // A pointer into the JSON, what to put there, and what the message must say.
+    let cases: Vec<(&str, Value, Vec<&str>)> = vec![
+        ("/asset/version", json!("1.0"), vec!["asset.version", "1.0"]),
+        ("/asset", json!({}), vec!["asset.version"]),
+        (
+            "/extensionsRequired",
+            json!(["KHR_draco_mesh_compression"]),
+            vec!["KHR_draco_mesh_compression", "KHR_texture_transform"],
+        ),
+        ("/extensionsRequired", json!(["a\nb"]), vec!["a\\nb"]),
+        ("/extensionsRequired", json!(7), vec!["extensionsRequired"]),
+        ("/scene", json!(5), vec!["scenes[5]"]),
+        ("/scene", json!(-1), vec!["scene"]),
+        ("/scenes/0/nodes/0", json!(99), vec!["scenes[0]", "nodes[99]"]),
+        ("/scenes/0/nodes/0", json!(2), vec!["scenes[0]", "nodes[2]"]),
+        ("/nodes/0/children", json!([0]), vec!["nodes[0]"]),
+        ("/nodes/0/children", json!([1]), vec!["nodes[1]", "another parent"]),
+        ("/nodes/1/children", json!([77]), vec!["nodes[1]", "nodes[77]"]),
+        ("/nodes/1/mesh", json!(3), vec!["nodes[1]", "meshes[3]"]),
+        ("/nodes/0/camera", json!(3), vec!["nodes[0]", "cameras[3]"]),
+        ("/nodes/1/rotation", json!([0, 0, 0, 0]), vec!["nodes[1]", "rotation"]),
+        ("/nodes/1/rotation", json!([0, 0, 0]), vec!["nodes[1]"]),
+        ("/nodes/1/scale", json!([1e200, 1e200, 1e300]), vec!["scene spans"]),
+        ("/nodes/1/translation", json!([987_654_321, 0, 0]), vec!["JSON"]),
+        ("/nodes/1/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), vec!["nodes[1]", "last row"]),
+        ("/nodes/2/extensions/KHR_lights_punctual/light", json!(4), vec!["nodes[2]", "lights[4]"]),
+        ("/nodes/2/extensions/KHR_lights_punctual", json!([]), vec!["nodes[2]", "KHR_lights_punctual"]),
+        ("/extensions/KHR_lights_punctual/lights/0/type", json!("sun"), vec!["lights[0]", "directional"]),
+        ("/extensions/KHR_lights_punctual/lights/0/intensity", json!(-1), vec!["lights[0]", "intensity"]),
+        ("/extensions/KHR_lights_punctual/lights/0/color", json!([1, 1e39, 1]), vec!["lights[0]", "color"]),
+        (
+            "/extensions/KHR_lights_punctual/lights/0",
+            json!({"type": "spot", "spot": {"outerConeAngle": 2}}),
+            vec!["lights[0]", "cone"],
+        ),
+        ("/cameras/0/type", json!("fisheye"), vec!["cameras[0]"]),
+        ("/cameras/0/orthographic/xmag", json!(0), vec!["cameras[0]", "xmag"]),
+        (
+            "/cameras/0",
+            json!({"type": "perspective", "perspective": {"yfov": 4, "znear": 1}}),
+            vec!["cameras[0]", "yfov"],
+        ),
+        ("/cameras/0", json!({"type": "perspective"}), vec!["cameras[0]"]),
+        ("/meshes/0/primitives/0/indices", json!(accessor), vec!["meshes[0].primitives[0].indices", "SCALAR"]),
+        ("/meshes/0/primitives/0/indices", json!(99), vec!["indices", "accessors[99]"]),
+        ("/meshes/0/primitives/0/mode", json!(9), vec!["meshes[0].primitives[0]", "mode"]),
+        ("/meshes/0/primitives/0/material", json!(9), vec!["meshes[0].primitives[0]", "materials[9]"]),
+        ("/meshes/0/primitives/0/attributes", json!({}), vec!["meshes[0].primitives[0]", "POSITION"]),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(1), vec![position, "accessor 1", "VEC2"]),
+        ("/meshes/0/primitives/0/attributes/POSITION", json!(99), vec![position, "accessors[99]"]),
+        ("/meshes/0/primitives/0", json!(7), vec!["meshes[0]"]),
+        ("/accessors/1/count", json!(3), vec!["TEXCOORD_0", "3", "4"]),
+        ("/accessors/2/count", json!(4_000_000_000u64), vec!["indices", "accessor 2", "bufferViews[3]"]),
+        ("/accessors/2/count", json!(u64::MAX), vec!["accessor 2"]),
+        ("/accessors/2/count", json!(-1), vec!["accessors[2]"]),
+        ("/accessors/2/byteOffset", json!(u64::MAX), vec!["accessor 2"]),
+        ("/accessors/2/componentType", json!(1), vec!["accessors[2]", "componentType"]),
+        ("/accessors/2/type", json!("VEC9"), vec!["accessors[2]"]),
+        ("/accessors/2/bufferView", json!(99), vec!["accessor 2", "bufferViews[99]"]),
+        ("/bufferViews/3/byteLength", json!(u64::MAX), vec!["bufferViews[3]", "buffers[0]"]),
+        ("/bufferViews/3/byteOffset", json!(1_000_000), vec!["bufferViews[3]"]),
+        ("/bufferViews/3/buffer", json!(9), vec!["bufferViews[3]", "buffers[9]"]),
+        ("/bufferViews/3/byteStride", json!(0), vec!["bufferViews[3]", "byteStride"]),
+        ("/bufferViews/3/byteStride", json!(u64::MAX), vec!["bufferViews[3]"]),
+        ("/buffers", json!([{"byteLength": 1_000_000, "uri": "data:,x"}]), vec!["buffers[0]", "1000000"]),
+        ("/buffers", json!([{"byteLength": 1}]), vec!["buffers[0]", "uri"]),
+        ("/buffers", json!([{"byteLength": 1, "uri": "../../etc/passwd"}]), vec!["buffers[0]", "leaves"]),
+        ("/buffers", json!([{"byteLength": 1, "uri": "/etc/passwd"}]), vec!["buffers[0]", "absolute"]),
+        ("/buffers", json!([{"byteLength": 1, "uri": "file:///etc/passwd"}]), vec!["buffers[0]", "relative"]),
+        ("/buffers", json!([{"byteLength": 1, "uri": "%2e%2e/x"}]), vec!["buffers[0]", "leaves"]),
+        ("/buffers", json!([{"byteLength": 1, "uri": "data:;base64,!!"}]), vec!["buffers[0]", "base64"]),
+        ("/images/0", json!({"uri": "../x.png"}), vec!["images[0]", "leaves"]),
+        ("/images/0", json!({}), vec!["images[0]", "bufferView"]),
+        ("/images/0", json!({"uri": "data:image/png;base64,AAAA"}), vec!["images[0]", "PNG, JPEG"]),
+        ("/images/0/bufferView", json!(3), vec!["images[0]", "PNG, JPEG"]),
+        ("/images/0/bufferView", json!(99), vec!["images[0]", "bufferViews[99]"]),
+        ("/textures/0/source", json!(9), vec!["textures[0]", "images[9]"]),
+        ("/textures/0/sampler", json!(9), vec!["textures[0]", "samplers[9]"]),
+        ("/samplers/0/wrapS", json!(1), vec!["textures[0]", "wrapS"]),
+        (
+            "/materials/0/pbrMetallicRoughness/baseColorTexture/index",
+            json!(9),
+            vec!["materials[0].baseColorTexture", "textures[9]"],
+        ),
+        (
+            "/materials/0/pbrMetallicRoughness/baseColorFactor",
+            json!([1, 2, 1, 1]),
+            vec!["materials[0]", "baseColorFactor", "2"],
+        ),
+        ("/materials/0/pbrMetallicRoughness/metallicFactor", json!(-1), vec!["materials[0]", "metallicFactor"]),
+        ("/materials/0/pbrMetallicRoughness/roughnessFactor", json!(1e39), vec!["materials[0]", "roughnessFactor"]),
+        ("/materials/0/emissiveFactor", json!([-1, 0, 0]), vec!["materials[0]", "emissiveFactor"]),
+        ("/materials/0/alphaMode", json!("GLASS"), vec!["materials[0]", "alphaMode"]),
+        ("/materials/0/extensions/KHR_materials_ior", json!({"ior": 0.5}), vec!["materials[0]", "ior"]),
+        (
+            "/materials/0/extensions/KHR_materials_clearcoat",
+            json!({"clearcoatFactor": "a"}),
+            vec!["materials[0]", "clearcoat"],
+        ),
+        (
+            "/materials/0/extensions/KHR_materials_volume",
+            json!({"attenuationDistance": 0}),
+            vec!["materials[0]", "attenuationDistance"],
+        ),
+        ("/materials", json!({}), vec!["materials"]),
+    ];
+    for (pointer, value, expected) in cases {
+        let mut file = good.clone();
+        let (parent, name) = pointer.rsplit_once('/').unwrap();
+        match file.json.pointer_mut(parent).unwrap_or_else(|| panic!("{pointer}")) {
+            Value::Array(list) => list[name.parse::<usize>().unwrap()] = value,
+            object => object[name] = value,
+        }
+        // A number beyond the largest double, which the macro cannot write.
+        let text = file.text().replace("987654321", "1e999");
+        let message = refused(text.as_bytes(), "scene.gltf");
+        for part in expected {
+            assert!(message.contains(part), "'{part}' is not in: {message}\nfor: {pointer}");
+        }
+    }
+    // Sparse accessors, which the loop's pointers would make long.
+    for (name, value, expected) in [
+        ("count", json!(1_000_000_000u64), "sparse.indices"),
+        ("indices", json!({"bufferView": 99, "componentType": U8}), "bufferViews[99]"),
+        ("indices", json!({"bufferView": 0, "componentType": F32}), "componentType"),
+        ("indices", json!({"bufferView": 0, "componentType": U32}), "replaces element"),
+        ("values", json!({"bufferView": 0, "byteOffset": u64::MAX}), "sparse.values"),
+    ] {
+        let mut file = good.clone();
+        file.json["accessors"][accessor]["sparse"][name] = value;
+        let message = refused(file.text().as_bytes(), "scene.gltf");
+        assert!(message.contains(position) && message.contains(expected), "{message}");
+    }
+    let mut file = good.clone();
+    file.json["accessors"][accessor] = json!({"componentType": F32, "type": "VEC3", "count": 1u64 << 60});
+    assert!(refused(file.text().as_bytes(), "scene.gltf").contains("no bufferView"));
+    // Numbers that are none, and an index beyond the vertices.
+    for (place, bytes, expected) in [
+        (3, f32::NAN.to_le_bytes().to_vec(), "TEXCOORD_0"),
+        (2, f32::INFINITY.to_le_bytes().to_vec(), "element 0"),
+        (3, vec![9, 0], "vertex 9"),
+    ] {
+        let mut file = good.clone();
+        let view = if expected == "TEXCOORD_0" { 2 } else { place };
+        let at = file.json["bufferViews"][view]["byteOffset"].as_u64().unwrap() as usize;
+        file.bytes[at..at + bytes.len()].copy_from_slice(&bytes);
+        let message = refused(file.text().as_bytes(), "scene.gltf");
+        assert!(message.contains(expected), "'{expected}' is not in: {message}");
+    }
+}
+
+#[test]
+fn hostile_bytes_never_panic() {
+    for bytes in [&b""[..], b"x", b"[]", b"{}", b"\xff\xfe{}", b"{\"asset\":{\"version\":\"2.0\xff\"}}"] {
+        refused(bytes, "scene.gltf");
+    }
+    refused(("[".repeat(100_000) + &"]".repeat(100_000)).as_bytes(), "scene.gltf");
+    let good = sound();
+    let glb = good.glb();
+    assert!(load(&glb, "scene.glb", &[]).is_ok());
+    for length in (0..glb.len()).step_by(7).chain(0..64) {
+        refused(&glb[..length], "scene.glb");
+    }
+    // Headers that lie, one word after the other.
+    for word in 0..5 {
+        for value in [0, 1, 11, 13, 0x7fff_ffff, u32::MAX] {
+            let mut bytes = glb.clone();
+            bytes[4 * word..4 * word + 4].copy_from_slice(&u32::to_le_bytes(value));
+            refused(&bytes, "scene.glb");
+        }
+    }
+    // Any byte changed: refused or read, but no panic. A generator of our own, so that a failure comes again.
+    let mut state = 12345u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as usize
+    };
+    let (mut read, mut failed) = (0, 0);
+    for _ in 0..3000 {
+        let mut bytes = glb.clone();
+        for _ in 0..1 + next() % 3 {
+            let at = 12 + next() % (bytes.len() - 12);
+            bytes[at] = if next() % 2 == 0 { b"0123456789,-e]}"[next() % 15] } else { next() as u8 };
+        }
+        match load(&bytes, "scene.glb", &[]) {
+            Ok(_) => read += 1,
+            Err(error) => {
+                assert!(!error.to_string().contains('\n'), "{error}");
+                failed += 1;
+            }
+        }
+    }
+    println!("{read} were read and {failed} refused");
+    assert!(read > 100 && failed > 100);
+}
+
+#[test]
+fn a_chain_of_nodes_may_be_as_long_as_the_file() {
+    // It is followed without recursion.
+    let mut file = sound();
+    let first = file.json["nodes"].as_array().unwrap().len();
+    for index in 0..50_000 {
+        file.add("nodes", json!({"children": [first + index + 1]}));
+    }
+    file.add("nodes", json!({}));
+    file.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(first));
+    assert!(file.try_load(&[]).is_ok());
 }

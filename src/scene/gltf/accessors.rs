@@ -8,7 +8,7 @@ use super::document::Document;
 use crate::error::Result;
 
 /// The most elements of an accessor that no bytes of its own stand for.
-const MAX_ZEROS: u64 = 1 << 24;
+const MAX_ZEROS: u64 = 1 << 20;
 /// Vertices beyond this would not survive single precision's arithmetic.
 const MAX_VALUE: f32 = 1e18;
 

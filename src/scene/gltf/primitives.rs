@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::scene::Mesh;
 
 /// The most vertices and triangles of a file, all uses counted.
-const MAX_ELEMENTS: u64 = 1 << 28;
+const MAX_ELEMENTS: u64 = 1 << 27;
 
 const SMALL: &[ComponentType] =
     &[ComponentType::F32, ComponentType::I8, ComponentType::U8, ComponentType::I16, ComponentType::U16];
