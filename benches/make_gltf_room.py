@@ -224,6 +224,7 @@ class File:
             for segment in range(segments):
                 angle = 2 * math.pi * segment / segments
                 c, s = math.cos(angle), math.sin(angle)
+                r = 0 if r < 1e-9 else r
                 positions.append([r * c, y, r * s])
                 normals.append([dy / length * c, -dr / length, dy / length * s])
         for ring in range(len(profile) - 1):
@@ -231,7 +232,8 @@ class File:
                 following = (segment + 1) % segments
                 a, b = ring * segments + segment, ring * segments + following
                 c, d = a + segments, b + segments
-                triangles += [[a, c, d], [a, d, b]]
+                # At the axis one edge of the cell has no length, and one of its triangles no area.
+                triangles += [t for t in ([a, c, d], [a, d, b]) if len({tuple(positions[i]) for i in t}) == 3]
         return self.mesh(name, material, positions, triangles, None, normals)
 
     def write(self, folder):
@@ -328,11 +330,11 @@ def room(folder):
     eye, target = [0.35, 1.25, 4.1], [0.1, 0.85, -1.0]
     file.node(camera=camera, translation=eye, rotation=toward([b - a for a, b in zip(eye, target)]))
     file.json["extensions"] = {"KHR_lights_punctual": {"lights": [
-        {"name": "sun", "type": "directional", "color": [1, 0.9, 0.72], "intensity": 14}]}}
+        {"name": "sun", "type": "directional", "color": [1, 0.9, 0.72], "intensity": 20}]}}
     file.node(name="sun", rotation=toward([1.0, -0.62, -0.12]), extensions={"KHR_lights_punctual": {"light": 0}})
     file.json["extensionsUsed"] = [
         "KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume"]
-    file.json["scenes"][0]["extras"] = {"lumbre": {"environment": {"uri": "sky.hdr", "intensity": 1.5, "rotation_degrees": 0}}}
+    file.json["scenes"][0]["extras"] = {"lumbre": {"environment": {"uri": "sky.hdr", "intensity": 2.5, "rotation_degrees": 0}}}
     file.write(folder)
 
 

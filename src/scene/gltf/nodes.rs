@@ -98,11 +98,14 @@ pub(super) fn load_meshes(
         let Some(index) = node.mesh else { continue };
         document.get(&document.meshes, "meshes", index, &placement.element())?;
         skinned |= node.skin.is_some();
-        if !placement.to_world.inverse().is_finite() {
+        if placement.to_world.matrix3.determinant() == 0.0 {
             builder
                 .warnings
                 .push(format!("{}: it is scaled to nothing, and its mesh is left out", placement.element()));
             continue;
+        }
+        if !placement.to_world.inverse().is_finite() {
+            return Err(document.wrong(&placement.element(), "its scale is too large or too small to be undone"));
         }
         uses[index] += 1;
         mirrored[index] |= placement.to_world.matrix3.determinant() < 0.0;
