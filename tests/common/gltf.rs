@@ -1,5 +1,6 @@
 //! glTF files made in memory: elements are added one by one, and refer to each other by the indices that come back.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use base64::Engine;
@@ -185,4 +186,39 @@ pub fn merge(into: &mut Value, from: Value) {
         }
         (into, from) => *into = from,
     }
+}
+
+/// A material that is Lambertian: no metal, and the dielectric's reflection switched off.
+pub fn matte(base: [f64; 3]) -> Value {
+    json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [base[0], base[1], base[2], 1], "metallicFactor": 0},
+        "extensions": {"KHR_materials_specular": {"specularFactor": 0}}
+    })
+}
+
+/// With more properties.
+pub fn with(mut value: Value, more: Value) -> Value {
+    merge(&mut value, more);
+    value
+}
+
+/// Parallel light along -z of this many lux.
+pub fn sun(file: &mut Gltf, lux: f64) {
+    file.light(json!({"type": "directional", "intensity": lux}), json!({}));
+}
+
+/// Red, green, blue and grey, from the upper left to the lower right; sRGB bytes, one of them not at the end of the range.
+pub const FOUR: [[u8; 4]; 4] = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [188, 188, 188, 255]];
+/// The same in linear values: ((188/255 + 0.055) / 1.055)^2.4 = 0.50289.
+pub const FOUR_LINEAR: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.502_886; 3]];
+
+/// The square with that texture lit so that its radiance is its albedo; `info` adds to the texture's info.
+pub fn textured(texels: &[[u8; 4]], info: Value) -> Gltf {
+    let mut file = Gltf::new();
+    let texture = file.texture(&png(2, 2, texels));
+    let base = json!({"pbrMetallicRoughness": {"baseColorTexture": with(json!({"index": texture}), info)}});
+    let mesh = file.square(with(matte([1.0; 3]), base), json!({}));
+    file.node(json!({"mesh": mesh}));
+    sun(&mut file, PI);
+    file
 }

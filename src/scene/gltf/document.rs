@@ -11,6 +11,9 @@ use serde_json::Map;
 
 use crate::error::{Error, Result, one_of};
 
+/// The first chunk of a .glb.
+const JSON: [u8; 4] = *b"JSON";
+
 /// What is read of the extensions; a file that requires any other is refused.
 const EXTENSIONS: [&str; 12] = [
     "KHR_lights_punctual",
@@ -268,7 +271,7 @@ fn split_binary<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'
         at = data + size;
     }
     match chunks.split_first() {
-        Some(((kind, text), rest)) if kind == b"JSON" => {
+        Some(((JSON, text), rest)) => {
             let binary = rest.first().filter(|(kind, _)| kind == b"BIN\0").map(|(_, data)| *data);
             Ok((text.trim_ascii_end(), binary))
         }
