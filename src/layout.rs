@@ -302,7 +302,7 @@ shared_structs! {
         position: vec3,
         /// Triangle: second vertex. Sphere: (radius, 0, 0). Spot, directional: unit direction in which light travels.
         v1: vec3,
-        /// Triangle: third vertex. Spot: (cut-off angle, beam width, 0).
+        /// Triangle: third vertex. Spot: (cut-off angle, beam width, 1 for the falloff of glTF).
         v2: vec3,
         /// Area lights: radiance, W/(m² sr). Point, spot: intensity, W/sr. Directional: irradiance, W/m².
         radiance: vec3,

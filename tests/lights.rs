@@ -13,7 +13,7 @@ use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
 use lumbre::layout::{LightAnswer, LightQuery};
 use lumbre::render::Probe;
-use lumbre::scene::light::Lamp;
+use lumbre::scene::light::{Falloff, Lamp};
 use lumbre::scene::texture::{Pattern, Texels, TextureDescription, TextureImage, Wrap};
 use lumbre::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
 
@@ -612,6 +612,7 @@ fn lamps_shed_what_their_formulas_say() {
             intensity: [3.0, 2.0, 1.0],
             cutoff: 0.8,
             beam_width: 0.3,
+            falloff: Falloff::Angle,
             texture,
         };
         let point = Lamp::Point { position: v(1.0, 2.0, 2.0), intensity: [1.0, 5.0, 2.0] };

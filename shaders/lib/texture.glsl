@@ -9,7 +9,7 @@ int wrap_texel(int i, int size, uint wrap) {
     int period = wrap == WRAP_MIRROR ? 2 * size : size;
     i -= period * int(floor(float(i) / float(period)));
     i = i < 0 ? i + period : (i >= period ? i - period : i); // the division may round across a multiple
-    return i < size ? i : period - 1 - i;
+    return clamp(i < size ? i : period - 1 - i, 0, size - 1); // where floats are too coarse to divide, any texel will do
 }
 
 vec4 load_texel(Texture t, ivec2 i) {

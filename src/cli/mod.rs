@@ -57,7 +57,7 @@ struct DeviceArgs {
 /// Which scene to read.
 #[derive(Args)]
 struct SceneArgs {
-    /// Scene file: Mitsuba 3 (.xml), .obj or .ply
+    /// Scene file: Mitsuba 3 (.xml), glTF 2.0 (.gltf, .glb), .obj or .ply
     scene: PathBuf,
 
     /// Set a parameter of a Mitsuba scene

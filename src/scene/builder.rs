@@ -150,8 +150,13 @@ impl SceneBuilder {
     pub(super) fn texture_size(&self, texture: u32) -> [u32; 2] {
         match self.textures[texture as usize].pattern {
             Pattern::Checkerboard(..) => [1; 2],
-            Pattern::Image(image) => [self.images[image].width, self.images[image].height],
+            Pattern::Image(image) => self.image_size(image),
         }
+    }
+
+    /// Texels of an image across and down.
+    pub(super) fn image_size(&self, image: usize) -> [u32; 2] {
+        [self.images[image].width, self.images[image].height]
     }
 
     /// A copy of a material, and of those that it blends, whose textures are changed.

@@ -154,8 +154,8 @@ impl Camera {
         let half_width = self.tan_half_width(whole_width, whole_height);
         let half_height = half_width * whole_height / whole_width;
         let [shift_x, shift_y] = self.principal_point;
-        let x = half_width * (1.0 + 2.0 * shift_x - 2.0 * left);
-        let y = half_height * (1.0 + 2.0 * shift_y - 2.0 * top);
+        let x = half_width * (1.0 - 2.0 * shift_x - 2.0 * left);
+        let y = half_height * (1.0 - 2.0 * shift_y - 2.0 * top);
         let plane = ImagePlane {
             corner: map(x, y, 1.0),
             dx: map(-2.0 * half_width / whole_width, 0.0, 0.0),

@@ -19,7 +19,8 @@ pub enum Lamp {
         /// Radiant intensity, W/sr.
         intensity: [f64; 3],
     },
-    /// A point with a cone around `direction`: full intensity within `beam_width`, zero beyond `cutoff` (radians).
+    /// A point with a cone around `direction`: full intensity within `beam_width`, zero beyond `cutoff` (radians), and
+    /// between them as `falloff` says.
     Spot {
         /// Where it is.
         position: DVec3,
@@ -31,6 +32,8 @@ pub enum Lamp {
         cutoff: f64,
         /// Half angle up to which it is constant.
         beam_width: f64,
+        /// How the intensity falls between the two.
+        falloff: Falloff,
         /// A texture that multiplies the intensity, and the light's axes (x, y, direction) in the world.
         texture: Option<(u32, DMat3)>,
     },
@@ -56,6 +59,16 @@ pub enum Lamp {
         /// On a surface that faces it, W/m².
         irradiance: [f64; 3],
     },
+}
+
+/// How a spot's intensity falls from the beam's edge to the cut-off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Falloff {
+    /// Linearly with the angle, as Mitsuba has it.
+    #[default]
+    Angle,
+    /// With the square of the cosine's way between its values there, as KHR_lights_punctual recommends.
+    Cosine,
 }
 
 /// Relative luminance of a linear sRGB colour (ITU-R BT.709).
@@ -89,11 +102,11 @@ impl Lamp {
                 radiance: rgb(intensity),
                 ..unframed
             },
-            Self::Spot { position, direction, intensity, cutoff, beam_width, texture } => Light {
+            Self::Spot { position, direction, intensity, cutoff, beam_width, falloff, texture } => Light {
                 kind: LIGHT_SPOT,
                 position: (position - origin).as_vec3().into(),
                 v1: direction.as_vec3().into(),
-                v2: [cutoff as f32, beam_width as f32, 0.0],
+                v2: [cutoff as f32, beam_width as f32, if falloff == Falloff::Cosine { 1.0 } else { 0.0 }],
                 radiance: rgb(intensity),
                 source: texture.map_or(NONE, |(texture, _)| texture),
                 corners: texture.map_or([0; 3], |(_, axes)| frame(&axes)),

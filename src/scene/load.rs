@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Scene, SceneBuilder, mitsuba, obj, ply};
+use super::{Scene, SceneBuilder, gltf, mitsuba, obj, ply};
 use crate::error::{Error, Result};
 
 /// How a scene is to be read.
@@ -22,6 +22,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     match extension.as_str() {
         "xml" => mitsuba::load(path, &options.defines),
+        "gltf" | "glb" => gltf::load(path),
         "obj" => obj::load(path),
         "ply" => {
             let mut builder = SceneBuilder::new(path);
@@ -33,7 +34,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         _ => {
             std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
             Err(Error::Usage(format!(
-                "{}: a scene is a file with the extension .xml (Mitsuba 3), .obj or .ply",
+                "{}: a scene is a file with the extension .xml (Mitsuba 3), .gltf, .glb, .obj or .ply",
                 path.display()
             )))
         }

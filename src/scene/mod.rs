@@ -8,6 +8,7 @@ mod builder;
 pub mod camera;
 mod environment;
 pub mod filter;
+pub mod gltf;
 pub mod image_file;
 pub mod light;
 pub mod load;

@@ -7,7 +7,7 @@ use super::object::{Colour, Object};
 use crate::error::Result;
 use crate::scene::Camera;
 use crate::scene::image_file::Encoding;
-use crate::scene::light::Lamp;
+use crate::scene::light::{Falloff, Lamp};
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 const SUPPORTED: [&str; 6] = ["point", "spot", "directional", "projector", "constant", "envmap"];
@@ -43,6 +43,7 @@ impl Loader {
                     intensity: object.colour("intensity", Colour::Emission, 1.0)?,
                     cutoff: cutoff.to_radians(),
                     beam_width: beam_width.to_radians(),
+                    falloff: Falloff::Angle,
                     texture,
                 });
             }
@@ -74,7 +75,7 @@ impl Loader {
                     position: to_world.translation,
                     axes: axes_of(&to_world),
                     texture,
-                    irradiance: [object.float("scale", 1.0)?; 3],
+                    irradiance: [std::f64::consts::PI * object.float("scale", 1.0)?; 3], // what Mitsuba makes of it
                     tangents: [half_width, half_width * f64::from(height) / f64::from(width)],
                     mean,
                 });
@@ -84,6 +85,9 @@ impl Loader {
                 let image = self.image(object, Encoding::Srgb)?;
                 let mut texture = TextureDescription::new(Pattern::Image(image));
                 texture.wrap = [Wrap::Repeat, Wrap::Clamp];
+                // As in Mitsuba, the centres of the first and of the last row are the poles.
+                let rows = self.builder.image_size(image)[1] as f32;
+                texture.map[1] = [0.0, (rows - 1.0) / rows, 0.5 / rows];
                 let scale = object.float("scale", 1.0)?;
                 let axes = object.transform("to_world")?.matrix3;
                 let texture = self.builder.texture(texture);

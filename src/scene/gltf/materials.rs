@@ -1,0 +1,375 @@
+//! Materials: metallic-roughness and its extensions, as one layered material.
+
+use std::collections::HashMap;
+
+use gltf::json;
+use gltf::json::extensions::material::Volume;
+use gltf::json::material::AlphaMode;
+use gltf::json::texture::Info;
+use gltf::json::validation::Checked;
+use serde::Deserialize;
+
+use super::buffers::Buffers;
+use super::document::Document;
+use super::primitives::Wanted;
+use super::textures::{ALPHA, BLUE, COLOUR, GREEN, RED, Reference, Textures};
+use crate::error::Result;
+use crate::layout::{Layered, MATERIAL_HAS_COLOURS, MaterialTextures, NONE};
+use crate::scene::image_file::Encoding;
+use crate::scene::material::{UNTEXTURED, layered, plain_layers};
+use crate::scene::{Mask, SceneBuilder, SurfaceDescription};
+
+/// The strongest absorption, as optical depth over the attenuation distance: where the attenuation colour is black.
+const OPAQUE_DEPTH: f32 = 70.0;
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+#[derive(Default)]
+struct Clearcoat {
+    clearcoat_factor: f32,
+    clearcoat_texture: Option<Info>,
+    clearcoat_roughness_factor: f32,
+    clearcoat_roughness_texture: Option<Info>,
+    clearcoat_normal_texture: Option<json::Value>,
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+#[derive(Default)]
+struct Sheen {
+    sheen_color_factor: [f32; 3],
+    sheen_color_texture: Option<Info>,
+    sheen_roughness_factor: f32,
+    sheen_roughness_texture: Option<Info>,
+}
+
+/// A material in the builder.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Loaded {
+    /// What meshes of it are made of.
+    pub surface: usize,
+    /// It emits: each of its meshes needs a place of its own.
+    pub emits: bool,
+    /// What it takes of its primitives.
+    pub wanted: Wanted,
+    material: Option<usize>,
+}
+
+/// The materials of a file, each added to the builder when something is first made of it.
+pub(super) struct Materials<'a> {
+    document: &'a Document,
+    textures: Textures<'a>,
+    loaded: HashMap<Option<usize>, Loaded>,
+}
+
+impl<'a> Materials<'a> {
+    pub fn new(document: &'a Document, buffers: &'a Buffers) -> Self {
+        Self { document, textures: Textures::new(document, buffers), loaded: HashMap::new() }
+    }
+
+    /// The material of that index, or glTF's default, for the primitive that refers to it.
+    pub fn get(&mut self, builder: &mut SceneBuilder, index: Option<usize>, element: &str) -> Result<Loaded> {
+        if let Some(loaded) = self.loaded.get(&index) {
+            return Ok(*loaded);
+        }
+        let default = json::Material::default();
+        let (material, name) = match index {
+            None => (&default, String::from("the default material")),
+            Some(index) => {
+                let material = self.document.get(&self.document.materials, "materials", index, element)?;
+                (material, format!("materials[{index}]"))
+            }
+        };
+        let loaded =
+            Reader { document: self.document, textures: &mut self.textures, builder, name, uv_set: 0, textured: false }
+                .read(material)?;
+        self.loaded.insert(index, loaded);
+        Ok(loaded)
+    }
+}
+
+impl Loaded {
+    /// Lets vertex colours multiply the base colour.
+    pub fn with_colours(self, builder: &mut SceneBuilder) {
+        if let Some(material) = self.material {
+            builder.material_mut(material).record.flags |= MATERIAL_HAS_COLOURS;
+        }
+    }
+}
+
+/// Reads one material.
+struct Reader<'r, 'a> {
+    document: &'a Document,
+    textures: &'r mut Textures<'a>,
+    builder: &'r mut SceneBuilder,
+    name: String,
+    uv_set: u32,
+    textured: bool,
+}
+
+/// All textures that a material names.
+#[derive(Default)]
+struct References {
+    base: Option<Reference>,
+    metallic_roughness: Option<Reference>,
+    normal: Option<Reference>,
+    emissive: Option<Reference>,
+    transmission: Option<Reference>,
+    specular: Option<Reference>,
+    specular_colour: Option<Reference>,
+    clearcoat: Option<Reference>,
+    clearcoat_roughness: Option<Reference>,
+    sheen_colour: Option<Reference>,
+    sheen_roughness: Option<Reference>,
+}
+
+impl References {
+    /// The set of texture coordinates to take: that of the base colour, or else the one that most textures use. A surface
+    /// has one set here.
+    fn uv_set(&self) -> u32 {
+        if let Some(base) = &self.base {
+            return base.set;
+        }
+        let rest = [
+            &self.metallic_roughness,
+            &self.normal,
+            &self.emissive,
+            &self.transmission,
+            &self.specular,
+            &self.specular_colour,
+            &self.clearcoat,
+            &self.clearcoat_roughness,
+            &self.sheen_colour,
+            &self.sheen_roughness,
+        ];
+        let sets: Vec<u32> = rest.into_iter().flatten().map(|reference| reference.set).collect();
+        let uses = |set: u32| sets.iter().filter(|other| **other == set).count();
+        // Of equals, the first one.
+        sets.iter().rev().copied().max_by_key(|set| uses(*set)).unwrap_or(0)
+    }
+}
+
+impl Reader<'_, '_> {
+    fn warn(&mut self, message: &str) {
+        self.builder.warnings.push(format!("{}: {message}", self.name));
+    }
+
+    /// A texture as an index, or [`NONE`].
+    fn texture(&mut self, what: &str, reference: &Option<Reference>, encoding: Encoding, channel: u32) -> Result<u32> {
+        let Some(reference) = reference else { return Ok(NONE) };
+        if reference.set != self.uv_set {
+            let (set, other) = (reference.set, self.uv_set);
+            self.warn(&format!(
+                "its {what} uses TEXCOORD_{set} and is not read: a material has one set of texture coordinates here, TEXCOORD_{other}"
+            ));
+            return Ok(NONE);
+        }
+        let added = self.textures.add(self.builder, reference, &format!("{}.{what}", self.name), encoding, channel)?;
+        self.textured |= added.is_some();
+        Ok(added.unwrap_or(NONE))
+    }
+
+    fn read(mut self, material: &json::Material) -> Result<Loaded> {
+        let document = self.document;
+        let name = self.name.clone();
+        let empty = Default::default();
+        let extensions = material.extensions.as_ref().unwrap_or(&empty);
+        let clearcoat: Clearcoat =
+            document.extension(&extensions.others, "KHR_materials_clearcoat", &name)?.unwrap_or_default();
+        let sheen: Sheen = document.extension(&extensions.others, "KHR_materials_sheen", &name)?.unwrap_or_default();
+        let specular = extensions.specular.clone().unwrap_or_default();
+        let transmission = extensions.transmission.clone().unwrap_or_default();
+        let pbr = &material.pbr_metallic_roughness;
+        let of = |info: &Option<Info>| info.as_ref().map(Reference::new);
+        let references = References {
+            base: of(&pbr.base_color_texture),
+            metallic_roughness: of(&pbr.metallic_roughness_texture),
+            normal: match &material.normal_texture {
+                Some(info) => Some(Reference::normal(document, info, &format!("{name}.normalTexture"))?),
+                None => None,
+            },
+            emissive: of(&material.emissive_texture),
+            transmission: of(&transmission.transmission_texture),
+            specular: of(&specular.specular_texture),
+            specular_colour: of(&specular.specular_color_texture),
+            clearcoat: of(&clearcoat.clearcoat_texture),
+            clearcoat_roughness: of(&clearcoat.clearcoat_roughness_texture),
+            sheen_colour: of(&sheen.sheen_color_texture),
+            sheen_roughness: of(&sheen.sheen_roughness_texture),
+        };
+        self.uv_set = references.uv_set();
+        if clearcoat.clearcoat_normal_texture.is_some() {
+            self.warn("the normal map of its clear coat is not read");
+        }
+        let [red, green, blue, alpha] = document.shares(&name, "baseColorFactor", pbr.base_color_factor.0)?;
+        let base = [red, green, blue];
+        let base_texture = self.texture("baseColorTexture", &references.base, Encoding::Srgb, COLOUR)?;
+        let mask = self.mask(material, alpha, &references.base)?;
+        if extensions.unlit.is_some() {
+            self.warn("an unlit material becomes a black surface that emits its base colour at radiance 1, and lights the scene");
+            return Ok(self.finish(None, base, base_texture, mask, material.double_sided));
+        }
+
+        let linear = Encoding::Linear;
+        let layers = Layered {
+            specular: document.share(&name, "specularFactor", specular.specular_factor.0)?,
+            specular_colour: self.amounts("specularColorFactor", specular.specular_color_factor.0)?,
+            transmission: document.share(&name, "transmissionFactor", transmission.transmission_factor.0)?,
+            clearcoat: document.share(&name, "clearcoatFactor", clearcoat.clearcoat_factor)?,
+            clearcoat_roughness: document.share(
+                &name,
+                "clearcoatRoughnessFactor",
+                clearcoat.clearcoat_roughness_factor,
+            )?,
+            sheen_colour: document.shares(&name, "sheenColorFactor", sheen.sheen_color_factor)?,
+            sheen_roughness: document.share(&name, "sheenRoughnessFactor", sheen.sheen_roughness_factor)?,
+            specular_texture: self.texture("specularTexture", &references.specular, linear, ALPHA)?,
+            specular_colour_texture: self.texture(
+                "specularColorTexture",
+                &references.specular_colour,
+                Encoding::Srgb,
+                COLOUR,
+            )?,
+            transmission_texture: self.texture("transmissionTexture", &references.transmission, linear, RED)?,
+            clearcoat_texture: self.texture("clearcoatTexture", &references.clearcoat, linear, RED)?,
+            clearcoat_roughness_texture: self.texture(
+                "clearcoatRoughnessTexture",
+                &references.clearcoat_roughness,
+                linear,
+                GREEN,
+            )?,
+            sheen_colour_texture: self.texture(
+                "sheenColorTexture",
+                &references.sheen_colour,
+                Encoding::Srgb,
+                COLOUR,
+            )?,
+            sheen_roughness_texture: self.texture(
+                "sheenRoughnessTexture",
+                &references.sheen_roughness,
+                linear,
+                ALPHA,
+            )?,
+            ..plain_layers(document.share(&name, "metallicFactor", pbr.metallic_factor.0)?)
+        };
+        let layers = self.volume(extensions.volume.as_ref(), layers)?;
+        let eta =
+            self.index_of_refraction(extensions.ior.as_ref().map_or(1.5, |ior| ior.ior.0), layers.transmission)?;
+        let roughness = document.share(&name, "roughnessFactor", pbr.roughness_factor.0)?;
+        let normal_scale = material.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
+        if !normal_scale.is_finite() {
+            return Err(document.wrong(&name, "normalTexture.scale is not finite"));
+        }
+        let shine = &references.metallic_roughness;
+        let textures = MaterialTextures {
+            reflectance: base_texture,
+            roughness: self.texture("metallicRoughnessTexture", shine, linear, GREEN)?,
+            metallic: self.texture("metallicRoughnessTexture", shine, linear, BLUE)?,
+            normal: self.texture("normalTexture", &references.normal, linear, COLOUR)?,
+            normal_scale,
+            ..UNTEXTURED
+        };
+        let mut description = layered(base, roughness, eta, layers);
+        description.textures = textures;
+        let has_normals = textures.normal != NONE;
+        let id = self.builder.material(description);
+
+        let strength = extensions.emissive_strength.as_ref().map_or(1.0, |emissive| emissive.emissive_strength.0);
+        let strength = document.amount(&name, "emissiveStrength", strength)?;
+        let emission = self.amounts("emissiveFactor", material.emissive_factor.0)?.map(|channel| channel * strength);
+        let emissive = if emission == [0.0; 3] {
+            NONE
+        } else {
+            self.texture("emissiveTexture", &references.emissive, Encoding::Srgb, COLOUR)?
+        };
+        let mut loaded = self.finish(Some(id), emission, emissive, mask, material.double_sided);
+        loaded.wanted.tangents = has_normals;
+        loaded.wanted.colours = true;
+        Ok(loaded)
+    }
+
+    fn amounts(&self, what: &str, values: [f32; 3]) -> Result<[f32; 3]> {
+        values.iter().try_for_each(|value| self.document.amount(&self.name, what, *value).map(drop))?;
+        Ok(values)
+    }
+
+    /// Adds the surface.
+    fn finish(
+        self,
+        material: Option<usize>,
+        emission: [f32; 3],
+        emission_texture: u32,
+        mask: Option<Mask>,
+        double_sided: bool,
+    ) -> Loaded {
+        let surface = self.builder.surface(SurfaceDescription {
+            front: material,
+            back: material.filter(|_| double_sided),
+            emission: emission.map(f64::from),
+            emission_texture: Some(emission_texture).filter(|texture| *texture != NONE),
+            mask,
+        });
+        let wanted =
+            Wanted { uv_set: self.textured.then_some(self.uv_set), opacity: mask.is_some(), ..Wanted::default() };
+        Loaded { surface, emits: emission != [0.0; 3], wanted, material }
+    }
+
+    /// What the alpha of the base colour lets through.
+    fn mask(&mut self, material: &json::Material, alpha: f32, base: &Option<Reference>) -> Result<Option<Mask>> {
+        let cutoff = match material.alpha_mode {
+            Checked::Valid(AlphaMode::Opaque) => return Ok(None),
+            Checked::Valid(AlphaMode::Mask) => {
+                let cutoff = material.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+                self.document.amount(&self.name, "alphaCutoff", cutoff)?
+            }
+            Checked::Valid(AlphaMode::Blend) => 0.0,
+            Checked::Invalid => {
+                return Err(self
+                    .document
+                    .wrong(&self.name, "its alphaMode is unknown: valid are OPAQUE, MASK and BLEND"));
+            }
+        };
+        let is_mask = material.alpha_mode == Checked::Valid(AlphaMode::Mask);
+        if is_mask && cutoff == 0.0 {
+            return Ok(None); // no alpha is below it
+        }
+        let texture = self.texture("baseColorTexture", base, Encoding::Srgb, ALPHA)?;
+        if texture == NONE {
+            let opacity = match is_mask {
+                true if alpha < cutoff => 0.0,
+                true => 1.0,
+                false => f64::from(alpha),
+            };
+            return Ok((opacity < 1.0).then_some(Mask { opacity, texture: None, cutoff: 0.0 }));
+        }
+        Ok(Some(Mask { opacity: f64::from(alpha), texture: Some(texture), cutoff: f64::from(cutoff) }))
+    }
+
+    /// Puts in what KHR_materials_volume says. Its thickness only says that there is an inside: paths go through the mesh.
+    fn volume(&self, volume: Option<&Volume>, layers: Layered) -> Result<Layered> {
+        let Some(volume) = volume else { return Ok(layers) };
+        let thickness = self.document.amount(&self.name, "thicknessFactor", volume.thickness_factor.0)?;
+        let distance = volume.attenuation_distance.0;
+        if distance.is_nan() || distance <= 0.0 {
+            return Err(self
+                .document
+                .wrong(&self.name, format!("attenuationDistance is {distance}, and must be above 0")));
+        }
+        let colour = self.document.shares(&self.name, "attenuationColor", volume.attenuation_color.0)?;
+        let depth = |channel: f32| (-channel.ln()).clamp(0.0, OPAQUE_DEPTH);
+        let absorption = colour.map(|channel| if distance.is_finite() { depth(channel) / distance } else { 0.0 });
+        Ok(Layered { absorption, is_volume: u32::from(thickness > 0.0), ..layers })
+    }
+
+    fn index_of_refraction(&mut self, index: f32, transmission: f32) -> Result<f32> {
+        // 0 stands for a surface that reflects everything at its edge; nothing can be refracted by it.
+        if index == 0.0 && transmission > 0.0 {
+            self.warn("its index of refraction is 0, which cannot transmit: 1.5 stands in");
+            return Ok(1.5);
+        }
+        if index == 0.0 || (index.is_finite() && index >= 1.0) {
+            return Ok(index);
+        }
+        Err(self.document.wrong(&self.name, format!("ior is {index}, and must be 0, or 1 or more")))
+    }
+}

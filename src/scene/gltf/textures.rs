@@ -1,0 +1,169 @@
+//! Textures: images, how they are sampled, and what a material takes of them.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::material::NormalTexture;
+use gltf::json::texture::{Info, MagFilter, WrappingMode};
+use gltf::json::validation::Checked;
+
+use super::buffers::{Buffers, read_file};
+use super::document::Document;
+use super::uri::{Resource, resolve};
+use crate::error::Result;
+use crate::scene::SceneBuilder;
+use crate::scene::image_file::{Encoding, decode_texture};
+use crate::scene::texture::{Pattern, Texels, TextureDescription, Wrap};
+
+/// What a material says of one of its textures.
+#[derive(Clone, Debug)]
+pub(super) struct Reference {
+    texture: usize,
+    /// The set of texture coordinates.
+    pub set: u32,
+    transform: TextureTransform,
+}
+
+impl Reference {
+    /// That of any texture but the normal map.
+    pub fn new(info: &Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|extensions| extensions.texture_transform.clone());
+        Self::of(info.index.value(), info.tex_coord, transform)
+    }
+
+    /// That of a normal map, whose extensions the JSON types do not know.
+    pub fn normal(document: &Document, info: &NormalTexture, element: &str) -> Result<Self> {
+        let transform = match &info.extensions {
+            Some(extensions) => document.extension(&extensions.others, "KHR_texture_transform", element)?,
+            None => None,
+        };
+        Ok(Self::of(info.index.value(), info.tex_coord, transform))
+    }
+
+    fn of(texture: usize, set: u32, transform: Option<TextureTransform>) -> Self {
+        let transform = transform.unwrap_or_default();
+        Self { texture, set: transform.tex_coord.unwrap_or(set), transform }
+    }
+
+    /// Rows of the map from the surface's texture coordinates to the texture's: scaled, then rotated, then moved. v runs
+    /// down, so the rotation that the extension calls counter-clockwise takes u to -v.
+    fn map(&self) -> [[f32; 3]; 2] {
+        let ([x, y], [sx, sy]) = (self.transform.offset.0, self.transform.scale.0);
+        let (sin, cos) = self.transform.rotation.0.sin_cos();
+        [[cos * sx, sin * sy, x], [-sin * sx, cos * sy, y]]
+    }
+}
+
+/// Where an image's bytes are.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Bytes {
+    File(PathBuf),
+    View(usize),
+    /// In the URI of this image.
+    Inside(usize),
+}
+
+/// The textures of a file, each image decoded once per encoding.
+pub(super) struct Textures<'a> {
+    document: &'a Document,
+    buffers: &'a Buffers,
+    images: HashMap<(Bytes, Encoding), Image>,
+}
+
+#[derive(Clone, Copy)]
+struct Image {
+    index: usize,
+    /// Some texel lets something pass.
+    has_alpha: bool,
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(document: &'a Document, buffers: &'a Buffers) -> Self {
+        Self { document, buffers, images: HashMap::new() }
+    }
+
+    /// Adds a texture to the builder; nothing where the file gives it no image, which `warnings` then says.
+    pub fn add(
+        &mut self,
+        builder: &mut SceneBuilder,
+        reference: &Reference,
+        element: &str,
+        encoding: Encoding,
+        channel: u32,
+    ) -> Result<Option<u32>> {
+        let document = self.document;
+        let index = reference.texture;
+        let texture = document.get(&document.textures, "textures", index, element)?;
+        if texture.source.value() == u32::MAX as usize {
+            builder.warnings.push(format!("textures[{index}] has no image that is read"));
+            return Ok(None);
+        }
+        let image = self.image(builder, texture.source.value(), &format!("textures[{index}]"), encoding)?;
+        if channel == ALPHA && !image.has_alpha && encoding == Encoding::Srgb {
+            return Ok(None); // opaque everywhere: what meets it needs no look at it
+        }
+        let map = reference.map();
+        if map.iter().flatten().any(|value| !value.is_finite()) {
+            return Err(document.wrong(element, "its KHR_texture_transform is not finite"));
+        }
+        let mut description =
+            TextureDescription { channel, map, ..TextureDescription::new(Pattern::Image(image.index)) };
+        if let Some(sampler) = texture.sampler {
+            let name = format!("textures[{index}]");
+            let sampler = document.get(&document.samplers, "samplers", sampler.value(), &name)?;
+            let wrap = |mode: &Checked<WrappingMode>| match mode {
+                Checked::Valid(WrappingMode::ClampToEdge) => Ok(Wrap::Clamp),
+                Checked::Valid(WrappingMode::MirroredRepeat) => Ok(Wrap::Mirror),
+                Checked::Valid(WrappingMode::Repeat) => Ok(Wrap::Repeat),
+                Checked::Invalid => Err(document.wrong(&name, "its sampler's wrapS or wrapT is unknown")),
+            };
+            description.wrap = [wrap(&sampler.wrap_s)?, wrap(&sampler.wrap_t)?];
+            description.nearest = matches!(sampler.mag_filter, Some(Checked::Valid(MagFilter::Nearest)));
+        }
+        Ok(Some(builder.texture(description)))
+    }
+
+    fn image(&mut self, builder: &mut SceneBuilder, index: usize, element: &str, encoding: Encoding) -> Result<Image> {
+        let document = self.document;
+        let image = document.get(&document.images, "images", index, element)?;
+        let name = format!("images[{index}]");
+        let folder = document.path.parent().unwrap_or(Path::new(""));
+        let mut data = Vec::new();
+        let place = match (&image.uri, image.buffer_view) {
+            (Some(uri), None) => match resolve(folder, uri).map_err(|message| document.wrong(&name, message))? {
+                Resource::File(path) => Bytes::File(path),
+                Resource::Data(bytes) => {
+                    data = bytes;
+                    Bytes::Inside(index)
+                }
+            },
+            (None, Some(view)) => Bytes::View(view.value()),
+            _ => return Err(document.wrong(&name, "has neither or both of uri and bufferView, and must have one")),
+        };
+        if let Some(known) = self.images.get(&(place.clone(), encoding)) {
+            return Ok(*known);
+        }
+        let inside = PathBuf::from(format!("{}: {name}", document.path.display()));
+        let texels = match &place {
+            Bytes::File(path) => decode_texture(&read_file(path)?, path, encoding)?,
+            Bytes::View(view) => decode_texture(self.buffers.view(document, *view, &name)?.bytes, &inside, encoding)?,
+            Bytes::Inside(_) => decode_texture(&data, &inside, encoding)?,
+        };
+        let has_alpha = match &texels.texels {
+            Texels::Srgb8(texels) | Texels::Linear8(texels) => texels.iter().any(|texel| texel[3] < 255),
+            Texels::Float(texels) => texels.iter().any(|texel| texel[3] < 1.0),
+        };
+        let image = Image { index: builder.image(texels), has_alpha };
+        self.images.insert((place, encoding), image);
+        Ok(image)
+    }
+}
+
+/// Channels of scalars.
+pub(super) const RED: u32 = 0;
+pub(super) const GREEN: u32 = 1;
+pub(super) const BLUE: u32 = 2;
+pub(super) const ALPHA: u32 = 3;
+/// For colours, of which no one channel is meant.
+pub(super) const COLOUR: u32 = 4;
