@@ -870,6 +870,8 @@ specialisation! {
     45 colours HAS_COLOURS: bool;
     /// The camera, one of the `CAMERA_*` constants.
     46 camera CAMERA: uint;
+    /// Some emitting triangle is large beside the scene: triangles are sampled by solid angle where that is large.
+    60 large_lights HAS_LARGE_LIGHTS: bool;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.

@@ -11,7 +11,7 @@ use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
 use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Material, Principled};
 use lumbre::render::Probe;
-use lumbre::scene::material::{self, MaterialDescription, plain_layers};
+use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};
 
 const WHITE: [f32; 3] = [1.0; 3];
 /// A mirror that reflects everything: index 0 + i.
@@ -503,6 +503,15 @@ const FAMILIES: &[Family] = &[
     ),
 ];
 
+/// All families, each at these roughnesses.
+fn family_cases(roughness: &[f32]) -> Vec<Case> {
+    let of_family = |(name, family, _): &Family| {
+        let case = |r: &f32| Case { thin: *name == "layered wall", ..case(name, 1.0, family(*r)) };
+        roughness.iter().map(case).collect::<Vec<_>>()
+    };
+    FAMILIES.iter().flat_map(of_family).collect()
+}
+
 /// Twenty roughnesses by ten angles.
 #[test]
 fn energy_is_conserved_over_roughness_and_angle() {
@@ -510,19 +519,20 @@ fn energy_is_conserved_over_roughness_and_angle() {
     with_gpu(|gpu| {
         let samples = spread(4096);
         let mut findings = Findings::default();
-        for (name, family, bound) in FAMILIES {
-            let cases = (1..=20).map(|step| case(name, 1.0, family(step as f32 / 20.0)));
-            let cases: Vec<_> = cases.map(|case| if *name == "layered wall" { case.thin() } else { case }).collect();
-            let bench = Bench::new(gpu, cases);
+        let steps = 20;
+        let bench = Bench::new(gpu, family_cases(&(1..=steps).map(|step| step as f32 / 20.0).collect::<Vec<_>>()));
+        for (index, (name, _, bound)) in FAMILIES.iter().enumerate() {
+            let all: Vec<_> = (index * steps..(index + 1) * steps).collect();
             let (mut most, mut least) = ((0.0f64, String::new()), f64::MAX);
             for cos in ANGLES.into_iter().chain(ANGLES.map(|cos| -cos)) {
-                let all: Vec<_> =
-                    (0..bench.cases.len()).filter(|index| cos > 0.0 || bench.cases[*index].transmits()).collect();
-                for (material, albedo) in all.iter().zip(albedos(&bench, &all, direction(cos, 0.7), &samples)) {
+                if cos < 0.0 && !bench.cases[all[0]].transmits() {
+                    continue;
+                }
+                for (step, albedo) in albedos(&bench, &all, direction(cos, 0.7), &samples).iter().enumerate() {
                     let peak = albedo.iter().copied().fold(0.0, f64::max);
                     least = least.min(peak);
                     if peak > most.0 {
-                        most = (peak, format!("roughness {:.2}, cos {cos}", 0.05 * (material + 1) as f64));
+                        most = (peak, format!("roughness {:.2}, cos {cos}", 0.05 * (step + 1) as f64));
                     }
                 }
             }
@@ -541,18 +551,18 @@ fn nothing_breaks_as_roughness_vanishes() {
     with_gpu(|gpu| {
         let samples = numbers(gpu, 512, 3).into_iter().map(|[a, b, c, _]| [a, b, c]).collect::<Vec<_>>();
         let mut findings = Findings::default();
-        for (name, family, _) in FAMILIES {
-            let bench = Bench::new(gpu, roughness.iter().map(|r| case(name, 1.0, family(*r))).collect());
+        let bench = Bench::new(gpu, family_cases(&roughness));
+        for (index, (name, ..)) in FAMILIES.iter().enumerate() {
             let mut heaviest = 0.0f32;
-            for (material, r) in roughness.iter().enumerate() {
+            for (step, r) in roughness.iter().enumerate() {
+                let material = index * roughness.len() + step;
                 let transmits = bench.cases[material].transmits();
+                let eta2 = if transmits { bench.cases[material].material.record.eta.powi(2) } else { 1.0 };
                 for cos in cosines.into_iter().flat_map(|cos| [cos, -cos]).filter(|cos| *cos > 0.0 || transmits) {
-                    let eta2 = if transmits { bench.cases[material].material.record.eta.powi(2) } else { 1.0 };
                     for answer in bench.sample(material, direction(cos, 0.7), &samples) {
                         let all = [answer.pdf_w, answer.sampled_pdf_w, answer.evaluated_pdf_w].into_iter();
                         let all = all.chain(answer.value).chain(answer.weight).chain(answer.sampled_value);
-                        let all: Vec<_> = all.chain(answer.sampled).collect();
-                        let finite = all.iter().all(|value| value.is_finite());
+                        let finite = all.chain(answer.sampled).all(f32::is_finite);
                         findings.check(finite, || format!("{name}, alpha {:.0e}, cos {cos}: {answer:?}", r * r));
                         heaviest = heaviest.max(answer.weight[0] / eta2);
                     }
@@ -656,5 +666,124 @@ fn smooth_glass_follows_fresnel_and_snell() {
         let critical = (1.0 - 1.0 / 2.25f32).sqrt();
         assert_eq!(ask(direction(-(critical - 1e-4), 0.2), refracted).sampled_pdf_w, 1.0, "total internal reflection");
         assert!(ask(direction(-(critical + 1e-3), 0.2), refracted).sampled[2] > 0.0, "refraction just before it");
+    });
+}
+
+/// A thin sheet reflects 2 r / (1 + r): 0.0769231 at normal incidence for an index of 1.5.
+#[test]
+fn a_thin_sheet_reflects_what_a_slab_does() {
+    let scene = with_materials(&[material::thin_dielectric(1.5, WHITE, WHITE).into()]);
+    with_gpu(|gpu| {
+        let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/bsdf").unwrap();
+        for wo in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+            let ask = |lobe| BsdfQuery { material: 0, wo, wi: [0.0, 0.0, 1.0], u: [0.5, 0.5, lobe] };
+            let answers: Vec<BsdfAnswer> = probe.run(&[ask(0.0), ask(0.999_999)]).unwrap();
+            assert!((answers[0].sampled_pdf_w - 0.076_923_1).abs() < 1e-6, "{:?}", answers[0]);
+            assert!((answers[1].sampled_pdf_w - 0.923_076_9).abs() < 1e-6, "{:?}", answers[1]);
+            assert_eq!((answers[0].sampled, answers[1].sampled), (wo, wo.map(|x| -x)));
+        }
+    });
+}
+
+/// f |cos| of a principled material, term by term as published (Burley 2012, sections 5.3 to 5.6, and 2015, section 4; the clear
+/// coat's masking and the tint as in Mitsuba's documentation).
+fn principled_reference(m: &Material, p: &Principled, wo: DVec3, wi: DVec3) -> DVec3 {
+    let [metallic, trans] = [p.metallic, p.spec_trans].map(f64::from);
+    let (base, rough, eta) = (vector(m.reflectance), f64::from(m.alpha_u), f64::from(m.eta));
+    let (front, reflected) = (wo.z > 0.0, wo.z * wi.z > 0.0);
+    let ratio = if front { eta } else { 1.0 / eta };
+    let h = (wo + wi * if reflected { 1.0 } else { ratio }).normalize();
+    let h = h * h.z.signum();
+    let (oh, ih) = (wo.dot(h), wi.dot(h));
+    if oh * wo.z <= 0.0 || ih * wi.z <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let aspect = (1.0 - 0.9 * f64::from(p.anisotropic)).sqrt();
+    let [ax, ay] = [rough * rough / aspect, rough * rough * aspect].map(|alpha| alpha.max(1e-3));
+    let d = 1.0 / (std::f64::consts::PI * ax * ay * ((h.x / ax).powi(2) + (h.y / ay).powi(2) + h.z * h.z).powi(2));
+    let g1 = |w: DVec3, ax: f64, ay: f64| {
+        let tan2 = ((ax * w.x).powi(2) + (ay * w.y).powi(2)) / (w.z * w.z);
+        2.0 / (1.0 + (1.0 + tan2).sqrt())
+    };
+    let g = g1(wo, ax, ay) * g1(wi, ax, ay);
+    let sin2_t = (1.0 - oh * oh) / (ratio * ratio);
+    let fresnel = if sin2_t >= 1.0 {
+        1.0
+    } else {
+        let (ci, ct) = (oh.abs(), (1.0 - sin2_t).sqrt());
+        let (s, p) = ((ci - ratio * ct) / (ci + ratio * ct), (ratio * ci - ct) / (ratio * ci + ct));
+        0.5 * (s * s + p * p)
+    };
+    if !reflected {
+        let share = (1.0 - metallic) * trans * (1.0 - fresnel) * d * g * (oh * ih).abs();
+        return base.powf(0.5) * (share / (wo.z.abs() * (oh + ratio * ih).powi(2)));
+    }
+    let weight = |c: f64| (1.0 - c).powi(5);
+    let schlick = |r0: DVec3| r0 + (DVec3::ONE - r0) * weight(oh);
+    let luminance = base.dot(DVec3::new(0.212671, 0.715160, 0.072169));
+    let tint = base / luminance;
+    let shine = d * g / (4.0 * wo.z.abs());
+    if !front {
+        return DVec3::splat((1.0 - metallic) * trans * fresnel * shine);
+    }
+    let r0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    let tinted = f64::from(p.spec_tint);
+    let mut value = (schlick(base) * metallic
+        + (schlick(tint * r0) * tinted + DVec3::splat(fresnel * (1.0 - tinted))) * (1.0 - metallic))
+        * shine;
+    let a = 0.1 + (0.001 - 0.1) * f64::from(p.clearcoat_gloss);
+    let gtr1 = (a * a - 1.0) / (std::f64::consts::PI * (a * a).ln() * (1.0 + (a * a - 1.0) * h.z * h.z));
+    let coat = g1(wo, 0.25, 0.25) * g1(wi, 0.25, 0.25) * gtr1 * wi.z;
+    value += schlick(DVec3::splat(0.04)) * (0.25 * f64::from(p.clearcoat) * coat);
+    if metallic == 1.0 || trans == 1.0 {
+        return value;
+    }
+    let (fo, fi) = (weight(wo.z), weight(wi.z));
+    let fd90 = 0.5 + 2.0 * rough * oh * oh;
+    let diffuse = (1.0 + (fd90 - 1.0) * fo) * (1.0 + (fd90 - 1.0) * fi);
+    // Burley 2012: the lobe as one product. Burley 2015 splits it into base and retro-reflection, which sum to the same.
+    let ss90 = rough * oh * oh;
+    let ss = (1.0 + (ss90 - 1.0) * fo) * (1.0 + (ss90 - 1.0) * fi);
+    let flat = 1.25 * (ss * (1.0 / (wo.z + wi.z) - 0.5) + 0.5);
+    let diffuse = diffuse + (flat - diffuse) * f64::from(p.flatness);
+    value += base * ((1.0 - metallic) * (1.0 - trans) * diffuse * wi.z / std::f64::consts::PI);
+    let sheen = DVec3::ONE.lerp(tint, f64::from(p.sheen_tint));
+    value + sheen * (f64::from(p.sheen) * (1.0 - metallic) * weight(oh) * wi.z)
+}
+
+#[test]
+fn principled_is_the_published_model() {
+    with_gpu(|gpu| {
+        let bench = Bench::new(gpu, cases());
+        let uniform = bench.numbers(8_000, 41);
+        let mut findings = Findings::default();
+        for (material, case) in bench.cases.iter().enumerate() {
+            let Detail::Principled(parameters) = &case.material.detail else { continue };
+            let pairs = uniform.chunks_exact(2).map(|two| {
+                let [a, b] = [two[0], two[1]].map(|[a, b, _]| direction(2.0 * a - 1.0, std::f32::consts::TAU * b));
+                let axis = peaks(case, a)[usize::from(two[0][2] < 0.5)];
+                let near = (axis + vector(b) * 0.3).normalize().as_vec3().into();
+                (a, if two[1][2] < 0.5 { b } else { near })
+            });
+            let sound = |a: &[f32; 3], b: &[f32; 3]| case.transmits() || a[2] > 0.0 && b[2] > 0.0;
+            let pairs: Vec<_> = pairs.filter(|(a, b)| sound(a, b) && a[2].abs() > 0.02 && b[2].abs() > 0.02).collect();
+            let ask = |(wo, wi): &([f32; 3], [f32; 3])| BsdfQuery {
+                material: material as u32,
+                wo: *wo,
+                wi: *wi,
+                u: [0.5; 3],
+            };
+            let answers = bench.ask(&pairs.iter().map(ask).collect::<Vec<_>>());
+            let mut worst = (0.0f64, String::new());
+            for (answer, (wo, wi)) in answers.iter().zip(&pairs) {
+                let expected = principled_reference(&case.material.record, parameters, vector(*wo), vector(*wi));
+                let off = (vector(answer.value) - expected).abs().max_element() / expected.max_element().max(1e-3);
+                if off > worst.0 {
+                    worst = (off, format!("{wo:?} {wi:?}: {:?} against {expected}", answer.value));
+                }
+            }
+            println!("{}: largest relative difference {:.1e} of {}", case.name, worst.0, pairs.len());
+            findings.check(worst.0 < 1e-3, || format!("{}: {:.1e} at {}", case.name, worst.0, worst.1));
+        }
     });
 }

@@ -64,9 +64,10 @@ LightSample light_sample(vec3 p, vec4 u) {
 
 // Density over solid angle at `p` with which light_sample picks the emitting point that a ray from there in this direction hit.
 float light_pdf(vec3 p, Ray ray, Hit hit, Interaction at, Surface surface) {
+    Primitive primitive;
+    if (HAS_SPHERE_LIGHTS || HAS_LARGE_LIGHTS) primitive = load_primitive(hit.primitive);
     if (HAS_SPHERE_LIGHTS) {
-        Primitive primitive = load_primitive(hit.primitive);
         if (is_sphere(primitive)) return sphere_light_pdf(primitive.v0, primitive.v1.x, p, at, surface.light_density, ray.direction);
     }
-    return triangle_light_pdf(p, at, surface.light_density, ray.direction);
+    return triangle_light_pdf(primitive, p, at, surface.light_density, ray.direction);
 }

@@ -3,9 +3,9 @@
 use super::Scene;
 use crate::layout::{
     CAMERA_PINHOLE, LIGHT_DIRECTIONAL, LIGHT_KINDS, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT,
-    LIGHT_TRIANGLE, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION,
-    MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_KINDS, MATERIAL_LAYERED, MATERIAL_PLASTIC,
-    MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE,
+    MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_KINDS, MATERIAL_LAYERED,
+    MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
     MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation,
 };
 
@@ -27,6 +27,16 @@ const MATERIALS: [&str; MATERIAL_KINDS as usize] = [
 /// The kinds of light by `LIGHT_*`.
 const LIGHTS: [&str; LIGHT_KINDS as usize] =
     ["triangle lights", "sphere lights", "point lights", "spot lights", "directional lights", "projectors"];
+
+/// Whether a light is a triangle at least this long beside the radius of the scene. Smaller ones are seen from close by few
+/// points, which is not worth what sampling by solid angle costs all the others.
+const LARGE: f32 = 0.5;
+
+fn is_large(light: &Light, scene: &Scene) -> bool {
+    let radius = 0.5 * (scene.bounds.max - scene.bounds.min).length();
+    let [a, b, c] = [light.position, light.v1, light.v2].map(glam::Vec3::from);
+    light.kind == LIGHT_TRIANGLE && b.distance(c).max(c.distance(a)).max(a.distance(b)) > LARGE * radius
+}
 
 /// What a scene uses. Each `false` is code that is not compiled in and memory that is not allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,6 +67,8 @@ pub struct Needs {
     pub absorption: bool,
     /// Per kind of light, whether there is one, by `LIGHT_*`.
     pub lights: [bool; LIGHT_KINDS as usize],
+    /// Emitting triangles that are large beside the scene, so that some of it is close to them.
+    pub large_lights: bool,
     /// Textures or masks on what emits.
     pub textured_lights: bool,
     /// Point-like lights that shine through a texture.
@@ -126,6 +138,7 @@ impl Needs {
             beckmann: flags & MICROFACET_BECKMANN != 0,
             absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
             lights,
+            large_lights: scene.lights.iter().any(|light| is_large(light, scene)),
             textured_lights,
             projectors,
             background: scene.background.is_some(),
@@ -152,6 +165,7 @@ impl Needs {
             beckmann: true,
             absorption: true,
             lights: [true; LIGHT_KINDS as usize],
+            large_lights: true,
             textured_lights: true,
             projectors: true,
             background: true,
@@ -193,6 +207,7 @@ impl Needs {
         special.point_lights = light(LIGHT_POINT);
         special.spot_lights = light(LIGHT_SPOT);
         special.directional_lights = light(LIGHT_DIRECTIONAL);
+        special.large_lights = self.large_lights;
         special.textured_lights = self.textured_lights;
         special.projectors = self.projectors || light(LIGHT_PROJECTOR);
         special.background = self.background;
@@ -217,6 +232,7 @@ impl Needs {
             (self.material_textures, "textured materials"),
             (self.beckmann, "Beckmann microfacets"),
             (self.absorption, "absorption"),
+            (self.large_lights, "large lights"),
             (self.textured_lights, "textured lights"),
             (self.background, "background"),
             (self.environment, "environment image"),
