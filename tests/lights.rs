@@ -589,7 +589,7 @@ fn lamp_irradiance(lamp: &Lamp, image: &Image, p: DVec3, n: DVec3) -> DVec3 {
         Lamp::Projector { position, axes, irradiance, tangents, .. } => {
             let (wi, d2) = towards(position);
             let local = axes.transpose() * -wi;
-            let uv = DVec2::new(local.x / tangents[0], local.y / tangents[1]) / local.z * 0.5 + 0.5;
+            let uv = 0.5 - DVec2::new(local.x / tangents[0], local.y / tangents[1]) / local.z * 0.5;
             let lit = local.z > 0.0 && uv.min_element() >= 0.0 && uv.max_element() <= 1.0;
             // On the plane at distance 1, E = I cos^3.
             let intensity = DVec3::from(irradiance) * image.at(uv) / local.z.powi(3);

@@ -43,7 +43,7 @@ bool path_extend(inout Path path, inout Estimate e) {
         LightSample light = light_sample(v.at.position, light_u);
         vec3 wi = vertex_to_local(v, light.wi);
         float weight = by_emitter(light, power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi)));
-        vec3 radiance = path.throughput * vertex_eval(v, b, wi, light.wi) * light.weight * weight;
+        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;
         if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
         if (PARAM0 == SAMPLE_EMITTER) return false;
     }

@@ -85,10 +85,11 @@ vec3 vertex_to_local(Vertex v, vec3 w) {
 
 // A tilted frame calls directions above the surface that are below it and the other way round; neither carries light, or it
 // would leak through.
-bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return !v.mapped || local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
+bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
 
-vec3 vertex_eval(Vertex v, Bsdf b, vec3 local, vec3 world) {
-    return vertex_is_sound(v, local, world) ? bsdf_eval(b, v.wo, local) : vec3(0.0);
+vec3 vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
+    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, local, world))) return vec3(0.0);
+    return bsdf_eval(b, v.wo, local);
 }
 
 BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {

@@ -41,7 +41,7 @@ pub enum Lamp {
     Projector {
         /// Where it is.
         position: DVec3,
-        /// Its axes in the world: right in the image, up in it, and the way it shines.
+        /// Its axes in the world: left in the image, up in it, and the way it shines.
         axes: DMat3,
         /// The image of irradiance on the plane at distance 1, W/m².
         texture: u32,

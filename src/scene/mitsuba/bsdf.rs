@@ -105,7 +105,7 @@ impl Loader {
                 self.dielectric(object, Some(roughness))
             }
             "thindielectric" => {
-                let eta = relative_index(object)?;
+                let eta = relative_index(object, "bk7")?;
                 let (reflectance, first) = self.reflectance(object, "specular_reflectance", 1.0)?;
                 let (transmittance, second) = self.reflectance(object, "specular_transmittance", 1.0)?;
                 let mut made = MaterialDescription::from(material::thin_dielectric(eta, reflectance, transmittance));
@@ -135,7 +135,7 @@ impl Loader {
     }
 
     fn dielectric(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
-        let eta = relative_index(object)?;
+        let eta = relative_index(object, "bk7")?;
         let (reflectance, first) = self.reflectance(object, "specular_reflectance", 1.0)?;
         let (transmittance, second) = self.reflectance(object, "specular_transmittance", 1.0)?;
         let made = material::dielectric(eta, reflectance, transmittance, roughness.map(|roughness| roughness.alpha));
@@ -145,7 +145,7 @@ impl Loader {
     }
 
     fn plastic(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
-        let eta = relative_index(object)?;
+        let eta = relative_index(object, "polypropylene")?;
         let (diffuse, first) = self.reflectance(object, "diffuse_reflectance", 0.5)?;
         let (specular, second) = self.reflectance(object, "specular_reflectance", 1.0)?;
         let nonlinear = object.boolean("nonlinear", false)?;
@@ -249,8 +249,12 @@ impl Loader {
         let texture =
             object.texture("normalmap").ok_or_else(|| object.error("a normalmap needs the texture 'normalmap'"))?;
         let texture = self.make_texture(&texture)?;
-        for (name, default) in [("flip_invalid_normals", true), ("use_shadowing_function", true)] {
-            object.boolean(name, default)?; // see docs/scenes.md
+        for name in ["flip_invalid_normals", "use_shadowing_function"] {
+            if object.boolean(name, true)? {
+                self.builder
+                    .warnings
+                    .push(format!("{}: '{name}' is true in Mitsuba, and is not modelled", object.title()));
+            }
         }
         let sides = self.material(&inner)?;
         Ok(self.map_sides(sides, |textures| textures.normal = texture))
@@ -321,9 +325,9 @@ fn with_roughness(mut made: MaterialDescription, roughness: Option<Roughness>) -
     made
 }
 
-/// Index of the inside over that of the outside.
-fn relative_index(object: &Object) -> Result<f32> {
-    let inside = index_of_refraction(object, "int_ior", "bk7")?;
+/// Index of the inside, which has a default, over that of the outside.
+fn relative_index(object: &Object, inside: &str) -> Result<f32> {
+    let inside = index_of_refraction(object, "int_ior", inside)?;
     let outside = index_of_refraction(object, "ext_ior", "air")?;
     Ok((inside / outside) as f32)
 }
