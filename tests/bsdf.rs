@@ -207,9 +207,9 @@ impl<'a> Bench<'a> {
         self.probe.run(queries).unwrap()
     }
 
-    /// What becomes of `wo` for each of these numbers.
+    /// What becomes of `wo` for each of these numbers; what is evaluated is the way back.
     fn sample(&self, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> Vec<BsdfAnswer> {
-        let ask = |u: &[f32; 3]| BsdfQuery { material: material as u32, wo, wi: [0.0, 0.0, 1.0], u: *u };
+        let ask = |u: &[f32; 3]| BsdfQuery { material: material as u32, wo, wi: wo, u: *u };
         self.ask(&numbers.iter().map(ask).collect::<Vec<_>>())
     }
 
@@ -547,7 +547,7 @@ fn energy_is_conserved_over_roughness_and_angle() {
 #[test]
 fn nothing_breaks_as_roughness_vanishes() {
     let roughness: Vec<f32> = (0..=10).map(|step| 10f32.powf(-0.25 * step as f32)).collect(); // alpha 1 to 1e-5
-    let cosines = [1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-6];
+    let cosines = [1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-6, 1e-9];
     with_gpu(|gpu| {
         let samples = numbers(gpu, 512, 3).into_iter().map(|[a, b, c, _]| [a, b, c]).collect::<Vec<_>>();
         let mut findings = Findings::default();

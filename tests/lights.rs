@@ -73,6 +73,8 @@ enum Emitter {
     Constant(DVec3),
     /// Factor, image, axes of the image in the world.
     Environment(DVec3, Image, DMat3),
+    /// A dark sphere, beside which other emitters are small.
+    Dark(DVec3, f64),
 }
 
 const UVS: [DVec2; 3] = [DVec2::new(0.1, 0.2), DVec2::new(1.9, 0.4), DVec2::new(0.6, 1.7)];
@@ -102,6 +104,10 @@ impl Emitter {
                 builder.sphere(0, "sphere", *centre, *radius, surface);
             }
             Self::Constant(radiance) => builder.background = Some(radiance.to_array()),
+            Self::Dark(centre, radius) => {
+                let matte = builder.matte([0.5; 3]);
+                builder.sphere(0, "dark", *centre, *radius, matte);
+            }
             Self::Environment(factor, image, axes) => {
                 builder.background = Some(factor.to_array());
                 builder.environment = Some((image.add(builder), *axes));
@@ -152,6 +158,7 @@ impl Emitter {
                 })
                 .sum(),
             Self::Constant(radiance) => *radiance * PI,
+            Self::Dark(..) => DVec3::ZERO,
             Self::Environment(factor, image, axes) => cells
                 .map(|(u, v)| {
                     let (phi, theta) = (TAU * u, PI * v);
@@ -256,6 +263,34 @@ fn cases() -> Vec<Case> {
             0.008,
         ),
         case("textured triangle", vec![textured], v(0.2, 0.1, 0.0), v(0.1, 0.3, 1.0), v(0.05, 0.1, 1.0), 1.0),
+        case(
+            "triangle, small in its scene",
+            vec![
+                triangle(v(-1.0, -1.0, 2.0), v(-1.0, 1.5, 2.2), v(2.0, 0.0, 1.8)),
+                Emitter::Dark(v(0.0, 0.0, -60.0), 50.0),
+            ],
+            v(0.2, 0.1, 0.0),
+            DVec3::Z,
+            v(0.05, 0.1, 1.0),
+            1.0,
+        ),
+        case(
+            "textured quad, small in its scene",
+            vec![
+                Emitter::Triangle(
+                    [v(-1.0, -1.0, 1.0), v(-1.0, 1.0, 1.0), v(1.0, -1.0, 1.0)],
+                    UVS,
+                    radiance,
+                    Some(waves.clone()),
+                ),
+                triangle(v(-1.0, 1.0, 1.0), v(1.0, 1.0, 1.0), v(1.0, -1.0, 1.0)),
+                Emitter::Dark(v(0.0, 0.0, -60.0), 50.0),
+            ],
+            v(0.2, 0.1, 0.0),
+            DVec3::Z,
+            v(0.05, 0.1, 1.0),
+            1.2,
+        ),
         case(
             "sphere",
             vec![Emitter::Sphere(v(1.0, 2.0, 3.0), 0.7, radiance, None)],
