@@ -27,7 +27,7 @@ fn furnace(name: &str) {
             for row in INTEGRATORS {
                 let mut settings = settings(&scene, row.name, backend);
                 settings.lengths = LAYERS;
-                let film = render(gpu, &scene, &settings, 400);
+                let film = render(gpu, &scene, &settings, 1024);
                 let most = if row.solves == Solves::Direct { 2 } else { u32::MAX };
                 let what = format!("{name}, {} on {}", row.name, backend.name());
                 for (channel, r) in ALBEDO.into_iter().enumerate() {
