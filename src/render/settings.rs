@@ -154,7 +154,7 @@ impl Settings {
 
     /// What the kernel models.
     pub(super) fn needs(&self, scene: &Scene) -> Needs {
-        if self.specialise { Needs::of(scene) } else { Needs::everything() }
+        if self.specialise { Needs::of(scene) } else { Needs::everything(scene) }
     }
 
     /// The rays of the image.

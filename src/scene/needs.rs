@@ -149,8 +149,9 @@ impl Needs {
         }
     }
 
-    /// Everything that there is, whatever the scene uses: what specialisation is measured against.
-    pub fn everything() -> Self {
+    /// Everything that there is, whatever the scene uses: what specialisation is measured against. How lights are sampled is
+    /// a choice for the scene rather than a need, and stays.
+    pub fn everything(scene: &Scene) -> Self {
         Self {
             instances: true,
             spheres: true,
@@ -165,7 +166,7 @@ impl Needs {
             beckmann: true,
             absorption: true,
             lights: [true; LIGHT_KINDS as usize],
-            large_lights: true,
+            large_lights: Self::of(scene).large_lights,
             textured_lights: true,
             projectors: true,
             background: true,
