@@ -8,14 +8,8 @@ use lumbre::layout::{SPECIALISATION, STRUCTS, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 6] = [
-    "path.pixels.bvh",
-    "path.pixels.ray-query",
-    "test/trace.bvh",
-    "test/bsdf.bvh",
-    "test/light.bvh",
-    "test/random.bvh",
-];
+const MODULES: [&str; 6] =
+    ["test/path.bvh", "test/path.ray-query", "test/trace.bvh", "test/bsdf.bvh", "test/light.bvh", "test/random.bvh"];
 
 fn load(name: &str) -> Module {
     let words: Vec<u32> = lumbre::gpu::module(name)
@@ -124,7 +118,7 @@ fn array_strides_are_the_sizes() {
 
 #[test]
 fn specialisation_ids_are_the_same_on_both_sides() {
-    let module = load("path.pixels.bvh");
+    let module = load("test/path.bvh");
     let names = names(&module);
     let mut checked = 0;
     for instruction in &module.annotations {

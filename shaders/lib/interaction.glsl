@@ -38,15 +38,17 @@ void sphere_uv(Primitive p, vec3 outward, inout Interaction at) {
 void triangle_attributes(Primitive p, Hit hit, inout Interaction at) {
     vec2 uv0 = vec2(0.0), uv1 = vec2(1.0, 0.0), uv2 = vec2(0.0, 1.0);
     bool has_uvs = (p.surface & UV_BIT) != 0u;
+    bool has_tangents = HAS_TANGENTS && (p.surface & TANGENT_BIT) != 0u;
+    bool has_colours = HAS_COLOURS && scene.colours != uvec2(0u);
     Corners corners = Corners(0u, 0u, 0u);
-    if (has_uvs || HAS_COLOURS || HAS_TANGENTS && (p.surface & TANGENT_BIT) != 0u) corners = Triples(scene.corners).at[hit.primitive];
+    if (has_uvs || has_colours || has_tangents) corners = Triples(scene.corners).at[hit.primitive];
     if (has_uvs) {
         Vectors2 uvs = Vectors2(scene.uvs);
         uv0 = uvs.at[corners.i0], uv1 = uvs.at[corners.i1], uv2 = uvs.at[corners.i2];
     }
     vec3 b = vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv);
     at.uv = b.x * uv0 + b.y * uv1 + b.z * uv2;
-    if (HAS_COLOURS && scene.colours != uvec2(0u) && corners.i0 != NONE) {
+    if (has_colours && corners.i0 != NONE) {
         Vectors4 colours = Vectors4(scene.colours);
         at.colour = b.x * colours.at[corners.i0] + b.y * colours.at[corners.i1] + b.z * colours.at[corners.i2];
     }
@@ -58,7 +60,7 @@ void triangle_attributes(Primitive p, Hit hit, inout Interaction at) {
             at.dp_du = (d2.y * e1 - d1.y * e2) / determinant;
             at.dp_dv = (d1.x * e2 - d2.x * e1) / determinant;
         }
-        if ((p.surface & TANGENT_BIT) != 0u) {
+        if (has_tangents) {
             Vectors4 tangents = Vectors4(scene.tangents);
             at.tangent = b.x * tangents.at[corners.i0] + b.y * tangents.at[corners.i1] + b.z * tangents.at[corners.i2];
         }
