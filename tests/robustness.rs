@@ -56,7 +56,7 @@ fn malformed_xml() {
 fn unknown_things_list_what_is_known() {
     xml("<shape type='teapot'/>", &["scene.xml:2", "teapot", "obj, ply, serialized, rectangle"]);
     xml("<bsdf type='velvet'/>", &["velvet", "diffuse"]);
-    xml("<emitter type='sunsky'/>", &["sunsky", "point, spot, directional or constant"]);
+    xml("<emitter type='sunsky'/>", &["sunsky", "point, spot, directional, projector, constant or envmap"]);
     xml("<sensor type='fisheye'/>", &["fisheye", "perspective"]);
     xml("<integrator type='magic'/>", &["magic", "path"]);
     xml("<sensor type='perspective'><film type='ldrfilm'/></sensor>", &["ldrfilm", "hdrfilm"]);
@@ -81,7 +81,10 @@ fn unknown_things_list_what_is_known() {
     );
     xml("<bsdf type='conductor'><string name='material' value='Au'/><rgb name='k' value='1'/></bsdf>", &["not both"]);
     xml("<bsdf type='dielectric'><string name='int_ior' value='jelly'/></bsdf>", &["jelly", "water"]);
-    xml("<bsdf type='roughconductor'/>", &["distribution", "ggx"]);
+    xml(
+        "<bsdf type='roughconductor'><string name='distribution' value='phong'/></bsdf>",
+        &["distribution", "phong", "beckmann or ggx"],
+    );
 }
 
 #[test]
