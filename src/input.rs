@@ -1,4 +1,4 @@
-//! Reading images to compare: EXR (linear) and PNG (sRGB).
+//! Reading files: images to compare, EXR (linear) and PNG (sRGB), and text of bounded size.
 
 use std::path::Path;
 
@@ -10,6 +10,15 @@ use crate::output::{Format, format_of, srgb_to_linear};
 
 /// The most pixels that an image may have: a file's header can claim anything.
 const MAX_PIXELS: u64 = 1 << 28;
+
+/// The text of a file, unless it has more than `most` bytes.
+pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
+    let bytes = std::fs::metadata(path).map_err(|error| Error::read(path, error))?.len();
+    if bytes > most {
+        return Err(Error::scene(path, format!("the file has {bytes} bytes, and {most} is the most that is read")));
+    }
+    std::fs::read_to_string(path).map_err(|error| Error::read(path, error))
+}
 
 /// The R, G and B channels of an image as linear values.
 pub fn read_image(path: &Path) -> Result<Image> {

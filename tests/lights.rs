@@ -652,14 +652,7 @@ fn lamps_shed_what_their_formulas_say() {
         };
         let point = Lamp::Point { position: v(1.0, 2.0, 2.0), intensity: [1.0, 5.0, 2.0] };
         let sun = Lamp::Directional { direction: v(0.3, -0.2, -1.0).normalize(), irradiance: [0.5, 1.0, 0.2] };
-        let projector = Lamp::Projector {
-            position,
-            axes,
-            texture,
-            irradiance: [2.0, 1.0, 3.0],
-            tangents: [0.7, 0.5],
-            mean: [1.0; 3],
-        };
+        let projector = Lamp::Projector { position, axes, texture, irradiance: [2.0, 1.0, 3.0], tangents: [0.7, 0.5] };
         vec![
             ("point", vec![point]),
             ("spot", vec![spot(None)]),

@@ -1,5 +1,6 @@
 //! From what a file holds, in double precision, to the flat single-precision scene.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
@@ -124,7 +125,7 @@ impl SceneBuilder {
     }
 
     /// Mean of a texture's values.
-    pub fn texture_mean(&self, texture: u32) -> [f64; 3] {
+    fn texture_mean(&self, texture: u32) -> [f64; 3] {
         let texture = &self.textures[texture as usize];
         match texture.pattern {
             Pattern::Checkerboard(a, b) => [0, 1, 2].map(|channel| 0.5 * f64::from(a[channel] + b[channel])),
@@ -313,7 +314,9 @@ impl SceneBuilder {
         if self.environment.is_some() && environment.is_none() {
             background = None; // a black image
         }
-        let weights: Vec<f64> = lights.iter().map(|light| self.light_power(light, &flat.surfaces, radius)).collect();
+        let mut brightness = HashMap::new();
+        let weights: Vec<f64> =
+            lights.iter().map(|light| self.light_power(light, &flat.surfaces, radius, &mut brightness)).collect();
         let background_probability = match (background.is_some(), weights.iter().sum::<f64>() > 0.0) {
             (true, true) => 0.5, // neither can starve the other, whichever the scene shows more of
             (true, false) => 1.0,
@@ -383,16 +386,17 @@ impl SceneBuilder {
         }))
     }
 
-    /// The flux that a light brings, its texture included.
-    fn light_power(&self, light: &Light, surfaces: &[Surface], radius: f64) -> f64 {
+    /// The flux that a light brings, its texture included. `brightness` keeps the means of textures, which take a look at
+    /// every texel: a mesh of many lights shares one.
+    fn light_power(&self, light: &Light, surfaces: &[Surface], radius: f64, brightness: &mut HashMap<u32, f64>) -> f64 {
         let texture = match light.kind {
             LIGHT_TRIANGLE | LIGHT_SPHERE => surfaces[light.source as usize].emission_texture,
             LIGHT_SPOT | LIGHT_PROJECTOR => light.source,
             _ => NONE,
         };
-        let factor = Some(texture)
-            .filter(|texture| *texture != NONE)
-            .map_or(1.0, |texture| importance(self.texture_mean(texture)));
+        let factor = Some(texture).filter(|texture| *texture != NONE).map_or(1.0, |texture| {
+            *brightness.entry(texture).or_insert_with(|| importance(self.texture_mean(texture)))
+        });
         power(light, radius) * factor
     }
 
@@ -455,9 +459,11 @@ fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -
         let mut record = description.record;
         match &description.detail {
             Detail::None => {}
-            Detail::Plastic(plastic, table) => {
+            Detail::Plastic(plastic) => {
+                let (table, inside) = description.coating();
+                let (first, internal_reflectance) = (tables.len() as u32, inside as f32);
                 record.detail = filed.plastics.len() as u32;
-                filed.plastics.push(Plastic { table: tables.len() as u32, ..*plastic });
+                filed.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
                 tables.extend(table);
             }
             Detail::Principled(principled) => {

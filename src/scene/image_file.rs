@@ -8,6 +8,7 @@ use image::{DynamicImage, ImageReader, Limits};
 
 use super::texture::{Texels, TextureImage};
 use crate::error::{Error, Result};
+use crate::output::srgb_to_linear;
 
 /// The most texels that an image may have: a file's header can claim anything.
 const MAX_TEXELS: u64 = 1 << 28;
@@ -74,8 +75,7 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
     let texels = if is_float {
         Texels::Float(image.into_rgba32f().pixels().map(|pixel| pixel.0).collect())
     } else if is_deep {
-        let decode =
-            |value: f32| if encoding == Encoding::Srgb { super::texture::srgb_to_linear(value) } else { value };
+        let decode = |value: f32| if encoding == Encoding::Srgb { srgb_to_linear(value) } else { value };
         let texel = |[r, g, b, a]: [f32; 4]| [decode(r), decode(g), decode(b), a];
         Texels::Float(image.into_rgba32f().pixels().map(|pixel| texel(pixel.0)).collect())
     } else {

@@ -49,8 +49,6 @@ pub enum Lamp {
         irradiance: [f64; 3],
         /// Tangents of half the angles of view, across and down the image.
         tangents: [f64; 2],
-        /// Mean of the image, for selecting lights by power.
-        mean: [f64; 3],
     },
     /// Parallel light that travels along `direction`.
     Directional {
@@ -112,7 +110,7 @@ impl Lamp {
                 corners: texture.map_or([0; 3], |(_, axes)| frame(&axes)),
                 ..unframed
             },
-            Self::Projector { position, axes, texture, irradiance, tangents, .. } => Light {
+            Self::Projector { position, axes, texture, irradiance, tangents } => Light {
                 kind: LIGHT_PROJECTOR,
                 position: (position - origin).as_vec3().into(),
                 v1: axes.z_axis.as_vec3().into(),

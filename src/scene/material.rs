@@ -1,6 +1,6 @@
 //! Materials as the shaders take them, made from physical parameters.
 
-use super::plastic::{Microfacets, rough_coating};
+use super::plastic::{Microfacets, diffuse_reflectance, rough_coating};
 use crate::layout::{
     Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
     MATERIAL_HAS_TRANSMISSION, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
@@ -24,8 +24,8 @@ pub struct MaterialDescription {
 pub enum Detail {
     /// Nothing.
     None,
-    /// Of plastic; the table of a rough coating goes with it.
-    Plastic(Plastic, Vec<f32>),
+    /// Of plastic.
+    Plastic(Plastic),
     /// Of a principled material.
     Principled(Principled),
     /// Of a layered material.
@@ -87,8 +87,8 @@ pub fn thin_dielectric(eta: f32, reflectance: [f32; 3], transmittance: [f32; 3])
     Material { eta, reflectance, transmittance, ..record(MATERIAL_THIN_DIELECTRIC, MATERIAL_HAS_TRANSMISSION) }
 }
 
-/// A diffuse base under a coating of relative index `eta`, smooth where `alpha` is nothing, else GGX of that roughness; `nonlinear` lets light that the
-/// coating throws back take on the base's colour each time.
+/// A diffuse base under a coating of relative index `eta`, smooth where `alpha` is nothing, else GGX of that roughness;
+/// `nonlinear` lets light that the coating throws back take on the base's colour each time.
 pub fn plastic(
     eta: f32,
     diffuse: [f32; 3],
@@ -99,22 +99,17 @@ pub fn plastic(
     let mean = |rgb: [f32; 3]| rgb.iter().sum::<f32>() / 3.0;
     let (diffuse_mean, specular_mean) = (mean(diffuse), mean(specular));
     let kind = if alpha.is_some() { MATERIAL_ROUGH_PLASTIC } else { MATERIAL_PLASTIC };
-    let (table, inside) = match alpha {
-        Some(alpha) => rough_coating(Microfacets::Ggx(f64::from(alpha)), f64::from(eta)),
-        None => (Vec::new(), super::plastic::diffuse_reflectance(1.0 / f64::from(eta))),
-    };
     let alpha = alpha.unwrap_or_default();
     let total = diffuse_mean + specular_mean;
     let detail = Plastic {
         specular,
-        internal_reflectance: inside as f32,
         specular_weight: if total > 0.0 { specular_mean / total } else { 0.5 },
         nonlinear: u32::from(nonlinear),
-        table: 0,
+        ..Plastic::default() // what the coating does is integrated when the material is filed
     };
     MaterialDescription {
         record: Material { alpha_u: alpha, alpha_v: alpha, eta, reflectance: diffuse, ..record(kind, 0) },
-        detail: Detail::Plastic(detail, table),
+        detail: Detail::Plastic(detail),
         textures: UNTEXTURED,
     }
 }
@@ -124,21 +119,18 @@ fn bending(eta: f32) -> f32 {
     if (eta - 1.0).abs() < 1e-3 { 1.001 } else { eta }
 }
 
+/// A material that has its roughness as artists see it, the square root of alpha, and bends light at `eta`.
+fn perceptual(mut record: Material, base: [f32; 3], roughness: f32, eta: f32, detail: Detail) -> MaterialDescription {
+    (record.reflectance, record.alpha_u, record.alpha_v, record.eta) = (base, roughness, roughness, bending(eta));
+    MaterialDescription { record, detail, textures: UNTEXTURED }
+}
+
 /// Burley's principled BSDF of this base colour, perceptual roughness and index of refraction.
 pub fn principled(base: [f32; 3], roughness: f32, eta: f32, parameters: Principled) -> MaterialDescription {
     let transmits = if parameters.spec_trans > 0.0 { MATERIAL_HAS_TRANSMISSION } else { 0 };
     let tangents = if parameters.anisotropic > 0.0 { MATERIAL_HAS_TANGENTS } else { 0 };
-    MaterialDescription {
-        record: Material {
-            alpha_u: roughness,
-            alpha_v: roughness,
-            eta: bending(eta),
-            reflectance: base,
-            ..record(MATERIAL_PRINCIPLED, transmits | tangents)
-        },
-        detail: Detail::Principled(parameters),
-        textures: UNTEXTURED,
-    }
+    let record = record(MATERIAL_PRINCIPLED, transmits | tangents);
+    perceptual(record, base, roughness, eta, Detail::Principled(parameters))
 }
 
 /// A [`Layered`] that is a plain metallic-roughness material.
@@ -163,29 +155,26 @@ pub fn layered(base: [f32; 3], roughness: f32, eta: f32, layers: Layered) -> Mat
     let transmits = if layers.transmission > 0.0 { MATERIAL_HAS_TRANSMISSION } else { 0 };
     let absorbs = layers.is_volume != 0 && layers.absorption.iter().any(|channel| *channel > 0.0);
     let absorbs = if absorbs { MATERIAL_HAS_ABSORPTION } else { 0 };
-    MaterialDescription {
-        record: Material {
-            alpha_u: roughness,
-            alpha_v: roughness,
-            eta: bending(eta),
-            reflectance: base,
-            ..record(MATERIAL_LAYERED, transmits | absorbs)
-        },
-        detail: Detail::Layered(layers),
-        textures: UNTEXTURED,
-    }
+    let record = record(MATERIAL_LAYERED, transmits | absorbs);
+    perceptual(record, base, roughness, eta, Detail::Layered(layers))
 }
 
 impl MaterialDescription {
     /// The same with Beckmann's microfacets instead of GGX's.
     pub fn beckmann(mut self) -> Self {
         self.record.flags |= MICROFACET_BECKMANN;
-        if let (Detail::Plastic(plastic, table), MATERIAL_ROUGH_PLASTIC) = (&mut self.detail, self.record.kind) {
-            let facets = Microfacets::Beckmann(f64::from(self.record.alpha_u));
-            let (rough, inside) = rough_coating(facets, f64::from(self.record.eta));
-            (*table, plastic.internal_reflectance) = (rough, inside as f32);
-        }
         self
+    }
+
+    /// What plastic's coating does to light that crosses it: its transmittance by cosine where it is rough, and the share of
+    /// diffuse light that it reflects from inside.
+    pub(super) fn coating(&self) -> (Vec<f32>, f64) {
+        let (alpha, eta) = (f64::from(self.record.alpha_u), f64::from(self.record.eta));
+        if self.record.kind != MATERIAL_ROUGH_PLASTIC {
+            return (Vec::new(), diffuse_reflectance(1.0 / eta));
+        }
+        let beckmann = self.record.flags & MICROFACET_BECKMANN != 0;
+        rough_coating(if beckmann { Microfacets::Beckmann(alpha) } else { Microfacets::Ggx(alpha) }, eta)
     }
 
     /// Whether light passes through it, so that it is the same material seen from both sides.

@@ -9,6 +9,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
+use crate::input::read_text;
 
 /// Wavelength of the first entry of the tables, nm.
 const FIRST: f64 = 360.0;
@@ -61,14 +62,7 @@ impl Spectrum {
 
     /// From a file with a wavelength in nm and a value on each line; `#` starts a comment.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::metadata(path).map_err(|error| Error::read(path, error))?.len();
-        if bytes > MAX_BYTES {
-            return Err(Error::scene(
-                path,
-                format!("the file has {bytes} bytes, and {MAX_BYTES} is the most that is read"),
-            ));
-        }
-        let text = std::fs::read_to_string(path).map_err(|error| Error::read(path, error))?;
+        let text = read_text(path, MAX_BYTES)?;
         let mut spectrum = Self { samples: Vec::new() };
         for (index, line) in text.lines().enumerate() {
             let data = line.split('#').next().unwrap_or_default();

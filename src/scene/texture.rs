@@ -6,6 +6,7 @@ use crate::layout::{
     self, FILTER_NEAREST_BIT, TEXELS_FLOAT, TEXELS_LINEAR8, TEXELS_SRGB8, TEXTURE_CHECKERBOARD, TEXTURE_IMAGE,
     WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
 };
+use crate::output::srgb_to_linear;
 
 /// The texels of an image, row by row from the top.
 #[derive(Clone, Debug)]
@@ -75,11 +76,6 @@ impl TextureImage {
         let count = f64::from(self.width) * f64::from(self.height);
         sum.map(|sum| sum / count.max(1.0))
     }
-}
-
-/// Decodes a value of the sRGB transfer function (IEC 61966-2-1).
-pub fn srgb_to_linear(value: f32) -> f32 {
-    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The 256 values of an sRGB byte, which shaders look up.

@@ -7,6 +7,7 @@ use std::rc::Rc;
 
 use super::Defines;
 use crate::error::{Error, Result, all_of};
+use crate::input::read_text;
 
 /// Files that include each other more deeply than this are taken for a cycle.
 const MAX_INCLUDES: usize = 16;
@@ -64,14 +65,7 @@ pub(super) fn read(path: &Path, defines: &Defines) -> Result<Element> {
 }
 
 fn read_file(path: &Path, parameters: &mut Parameters, includes: usize) -> Result<Element> {
-    let bytes = std::fs::metadata(path).map_err(|error| Error::read(path, error))?.len();
-    if bytes > MAX_BYTES {
-        return Err(Error::scene(
-            path,
-            format!("the file has {bytes} bytes, and {MAX_BYTES} is the most that is read"),
-        ));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| Error::read(path, error))?;
+    let text = read_text(path, MAX_BYTES)?;
     let document = roxmltree::Document::parse(&text).map_err(|error| {
         let text = error.to_string();
         let at = format!(" at {}", error.pos());

@@ -67,7 +67,6 @@ impl Loader {
                     .ok_or_else(|| object.error("a projector needs the texture 'irradiance'"))?;
                 let texture = self.make_texture(&texture)?;
                 let (fov, axis) = super::sensor::field_of_view(object)?;
-                let mean = self.builder.texture_mean(texture);
                 let [width, height] = self.builder.texture_size(texture);
                 let half_width =
                     Camera::new("projector", to_world, fov, axis).tan_half_width(f64::from(width), f64::from(height));
@@ -77,7 +76,6 @@ impl Loader {
                     texture,
                     irradiance: [std::f64::consts::PI * object.float("scale", 1.0)?; 3], // what Mitsuba makes of it
                     tangents: [half_width, half_width * f64::from(height) / f64::from(width)],
-                    mean,
                 });
             }
             "envmap" => {
