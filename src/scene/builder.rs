@@ -3,20 +3,21 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
-use super::camera::{Camera, FovAxis};
+use super::camera::Camera;
+use super::flatten::{Flat, PendingGroup, Shape};
 use super::light::{Lamp, fill_alias_table, importance, power, triangle_area};
-use super::material::{self, Detail, MaterialDescription};
+use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
+use super::placement::{choose_origin, framing_camera};
 use super::texture::{Pattern, TextureDescription, TextureImage, srgb_table};
-use super::{Environment, FilmSettings, Filter, Group, Instance, Scene, TechniqueRequest, environment};
-use crate::bvh::{Bounds, primitive_bounds};
+use super::{Environment, FilmSettings, Filter, Instance, Scene, TechniqueRequest, environment};
+use crate::bvh::Bounds;
 use crate::error::{Error, Result};
 use crate::layout::{
-    Blend, Corners, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, MATERIAL_BLEND,
-    MATERIAL_HAS_TANGENTS, MATERIAL_HAS_TRANSMISSION, Material, MaterialTextures, NONE, Plastic, Primitive, Principled,
-    SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
+    Blend, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION,
+    Material, MaterialTextures, NONE, Surface,
 };
 
 /// What one side of a surface is made of.
@@ -46,18 +47,6 @@ pub struct SurfaceDescription {
     pub emission_texture: Option<u32>,
     /// What it stops; nothing stops all.
     pub mask: Option<Mask>,
-}
-
-#[derive(Clone, Debug)]
-enum Shape {
-    Mesh { mesh: Mesh, to_group: DAffine3 },
-    Sphere { centre: DVec3, radius: f64, axes: DMat3 },
-}
-
-#[derive(Clone, Debug)]
-struct PendingGroup {
-    name: String,
-    shapes: Vec<(Shape, usize, String)>,
 }
 
 /// Collects a scene; see the module's text.
@@ -267,7 +256,8 @@ impl SceneBuilder {
         }
         let origin = choose_origin(extent, self.cameras[0].to_world.translation);
 
-        let mut flat = Flat::new(&self);
+        let transmits: Vec<bool> = self.materials.iter().map(MaterialDescription::transmits).collect();
+        let mut flat = Flat::new(&self.surfaces, &transmits);
         let groups = std::mem::take(&mut self.groups);
         let mut placed = Vec::new();
         for (index, group) in groups.into_iter().enumerate() {
@@ -440,357 +430,5 @@ impl SceneBuilder {
             }
             extent => Ok(extent),
         }
-    }
-}
-
-/// The materials' records and what goes beside them.
-#[derive(Default)]
-struct Filed {
-    materials: Vec<Material>,
-    textures: Vec<MaterialTextures>,
-    plastics: Vec<Plastic>,
-    principleds: Vec<Principled>,
-    layereds: Vec<Layered>,
-}
-
-fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
-    let mut filed = Filed::default();
-    for description in descriptions {
-        let mut record = description.record;
-        match &description.detail {
-            Detail::None => {}
-            Detail::Plastic(plastic) => {
-                let (table, inside) = description.coating();
-                let (first, internal_reflectance) = (tables.len() as u32, inside as f32);
-                record.detail = filed.plastics.len() as u32;
-                filed.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
-                tables.extend(table);
-            }
-            Detail::Principled(principled) => {
-                record.detail = filed.principleds.len() as u32;
-                filed.principleds.push(*principled);
-            }
-            Detail::Layered(layered) => {
-                record.detail = filed.layereds.len() as u32;
-                filed.layereds.push(*layered);
-            }
-        }
-        let textures = &description.textures;
-        if description.is_textured() {
-            record.textures = filed.textures.len() as u32;
-            filed.textures.push(*textures);
-        }
-        if textures.normal != NONE || textures.bump != NONE {
-            record.flags |= MATERIAL_HAS_TANGENTS;
-        }
-        filed.materials.push(record);
-    }
-    filed
-}
-
-/// The flat arrays while they grow.
-struct Flat {
-    primitives: Vec<Primitive>,
-    corners: Vec<Corners>,
-    /// Vertices that have any attribute so far: where the next one's attributes go.
-    vertices: usize,
-    normals: Vec<[f32; 3]>,
-    uvs: Vec<[f32; 2]>,
-    tangents: Vec<[f32; 4]>,
-    colours: Vec<[f32; 4]>,
-    surfaces: Vec<Surface>,
-    /// Entries of the light table and the surface that each belongs to.
-    emitters: Vec<(Light, usize)>,
-    degenerate: usize,
-    triangles_seen: usize,
-}
-
-impl Flat {
-    fn new(builder: &SceneBuilder) -> Self {
-        let side = |side: Side| side.map_or(NONE, |material| material as u32);
-        let surfaces = builder
-            .surfaces
-            .iter()
-            .map(|description| {
-                // What transmits is one material seen from both sides.
-                let glass = description.front.filter(|front| builder.materials[*front].transmits());
-                Surface {
-                    front: side(description.front),
-                    back: side(glass.or(description.back)),
-                    emission: description.emission.map(|channel| channel as f32),
-                    light_density: 0.0,
-                    emission_texture: description.emission_texture.unwrap_or(NONE),
-                    opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
-                    opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),
-                    opacity_cutoff: description.mask.map_or(0.0, |mask| mask.cutoff as f32),
-                }
-            })
-            .collect();
-        Self {
-            primitives: Vec::new(),
-            corners: Vec::new(),
-            vertices: 0,
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            tangents: Vec::new(),
-            colours: Vec::new(),
-            surfaces,
-            emitters: Vec::new(),
-            degenerate: 0,
-            triangles_seen: 0,
-        }
-    }
-
-    fn add_group(
-        &mut self,
-        source: &std::path::Path,
-        group: PendingGroup,
-        to_local: DAffine3,
-        is_world: bool,
-    ) -> Result<Group> {
-        let first = self.primitives.len() as u32;
-        let mut spheres = Vec::new();
-        for (shape, surface, name) in group.shapes {
-            let emission = self.surfaces[surface].emission.map(f64::from);
-            let emits = importance(emission) > 0.0;
-            if emits && !is_world {
-                let message = format!(
-                    "shape '{name}' emits and belongs to '{}', which is placed by instances: give each light a place of its own",
-                    group.name
-                );
-                return Err(Error::scene(source, message));
-            }
-            match shape {
-                Shape::Mesh { mesh, to_group } => {
-                    self.add_mesh(source, &name, &mesh, to_local * to_group, surface, emits)?
-                }
-                Shape::Sphere { centre, radius, axes } => {
-                    spheres.push((to_local.transform_point3(centre).as_vec3(), radius as f32, axes, surface, emits))
-                }
-            }
-        }
-        let middle = self.primitives.len() as u32;
-        for (centre, radius, axes, mut surface, emits) in spheres {
-            // Each emitting sphere has a density of its own, which its surface holds.
-            if emits && self.emitters.iter().any(|(_, other)| *other == surface) {
-                self.surfaces.push(self.surfaces[surface]);
-                surface = self.surfaces.len() - 1;
-            }
-            let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
-            let turn = DQuat::from_mat3(&(axes * mirror)).normalize();
-            let turn = if turn.w < 0.0 { -turn } else { turn };
-            let v1 = [radius, mirror as f32, 0.0];
-            let v2 = turn.xyz().as_vec3().to_array();
-            self.primitives.push(Primitive { v0: centre.into(), v1, v2, surface: surface as u32 | SPHERE_BIT });
-            self.corners.push(Corners { i0: NONE, i1: NONE, i2: NONE });
-            if emits {
-                let radiance = self.surfaces[surface].emission;
-                self.emitters.push((
-                    Light {
-                        kind: LIGHT_SPHERE,
-                        position: centre.into(),
-                        v1,
-                        v2,
-                        radiance,
-                        source: surface as u32,
-                        ..Light::default()
-                    },
-                    surface,
-                ));
-            }
-        }
-        Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
-    }
-
-    /// Takes in the vertex attributes of a mesh; the bits of [`Primitive::surface`] that say which there are.
-    fn add_attributes(&mut self, mesh: &Mesh, to_local: DAffine3) -> Result<u32, String> {
-        let count = mesh.positions.len();
-        for (what, given) in [
-            ("normals", mesh.normals.len()),
-            ("texture coordinates", mesh.uvs.len()),
-            ("tangents", mesh.tangents.len()),
-            ("colours", mesh.colours.len()),
-        ] {
-            if given != 0 && given != count {
-                return Err(format!("{given} {what} for {count} vertices"));
-            }
-        }
-        if let Some(bad) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
-            return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", mesh.uvs[bad]));
-        }
-        let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
-        let base = self.vertices;
-        let mut flags = 0;
-        if !mesh.normals.is_empty() {
-            flags |= SMOOTH_BIT;
-            self.normals.resize(base, [0.0; 3]);
-            let turned = |normal: &Vec3| (for_normals * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array();
-            self.normals.extend(mesh.normals.iter().map(turned));
-        }
-        if !mesh.uvs.is_empty() {
-            flags |= UV_BIT;
-            self.uvs.resize(base, [0.0; 2]);
-            self.uvs.extend(mesh.uvs.iter().map(|uv| uv.to_array()));
-        }
-        if !mesh.tangents.is_empty() {
-            flags |= TANGENT_BIT;
-            self.tangents.resize(base, [0.0; 4]);
-            let turned = |tangent: &Vec4| {
-                (to_local.matrix3 * tangent.truncate().as_dvec3())
-                    .normalize_or_zero()
-                    .as_vec3()
-                    .extend(tangent.w)
-                    .to_array()
-            };
-            self.tangents.extend(mesh.tangents.iter().map(turned));
-        }
-        if !mesh.colours.is_empty() {
-            self.colours.resize(base, [1.0; 4]);
-            self.colours.extend(mesh.colours.iter().map(|colour| colour.to_array()));
-        }
-        if flags != 0 || !mesh.colours.is_empty() {
-            self.vertices += count;
-        }
-        Ok(flags)
-    }
-
-    /// Brings the attributes that some meshes have to the same length for all.
-    fn close_attributes(&mut self) {
-        let count = self.vertices;
-        if count == 0 {
-            self.corners = Vec::new();
-        }
-        if !self.normals.is_empty() {
-            self.normals.resize(count, [0.0; 3]);
-        }
-        if !self.uvs.is_empty() {
-            self.uvs.resize(count, [0.0; 2]);
-        }
-        if !self.tangents.is_empty() {
-            self.tangents.resize(count, [0.0; 4]);
-        }
-        if !self.colours.is_empty() {
-            self.colours.resize(count, [1.0; 4]);
-        }
-    }
-
-    fn add_mesh(
-        &mut self,
-        source: &std::path::Path,
-        name: &str,
-        mesh: &Mesh,
-        to_local: DAffine3,
-        surface: usize,
-        emits: bool,
-    ) -> Result<()> {
-        let wrong = |message: String| Error::scene(source, format!("mesh '{name}': {message}"));
-        if let Some(bad) = mesh.positions.iter().position(|position| !position.is_finite()) {
-            return Err(wrong(format!(
-                "vertex {bad} of {} is {}: coordinates must be finite",
-                mesh.positions.len(),
-                mesh.positions[bad]
-            )));
-        }
-        let positions: Vec<Vec3> =
-            mesh.positions.iter().map(|position| to_local.transform_point3(*position).as_vec3()).collect();
-        let first_normal = self.vertices as u32;
-        let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
-        let smooth = flags & SMOOTH_BIT;
-        let has_attributes = self.vertices as u32 > first_normal;
-        self.triangles_seen += mesh.triangles.len();
-        for (index, triangle) in mesh.triangles.iter().enumerate() {
-            if let Some(bad) = triangle.iter().find(|vertex| **vertex as usize >= positions.len()) {
-                return Err(wrong(format!(
-                    "triangle {index} refers to vertex {bad}, and there are {} vertices (0 to {})",
-                    positions.len(),
-                    positions.len().saturating_sub(1)
-                )));
-            }
-            let mut triangle = *triangle;
-            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
-            let scaled_normal = (v1 - v0).as_dvec3().cross((v2 - v0).as_dvec3());
-            if scaled_normal.length_squared() == 0.0 {
-                self.degenerate += 1;
-                continue;
-            }
-            // Vertex normals say which side is the front, where there are any.
-            if smooth != 0 {
-                let sum: Vec3 =
-                    triangle.iter().map(|vertex| Vec3::from(self.normals[(first_normal + vertex) as usize])).sum();
-                if scaled_normal.dot(sum.as_dvec3()) < 0.0 {
-                    triangle.swap(1, 2);
-                }
-            }
-            // The vertex opposite the longest edge first: the edges that meet there make the best conditioned normal.
-            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize].as_dvec3());
-            let opposite = [v1.distance_squared(v2), v2.distance_squared(v0), v0.distance_squared(v1)];
-            let longest = (0..3).fold(0, |best, edge| if opposite[edge] > opposite[best] { edge } else { best });
-            triangle.rotate_left(longest);
-            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
-            self.primitives.push(Primitive {
-                v0: v0.into(),
-                v1: v1.into(),
-                v2: v2.into(),
-                surface: surface as u32 & SURFACE_MASK | flags,
-            });
-            let corner = |vertex: u32| if has_attributes { first_normal + vertex } else { NONE };
-            self.corners.push(Corners { i0: corner(triangle[0]), i1: corner(triangle[1]), i2: corner(triangle[2]) });
-            if emits {
-                let radiance = self.surfaces[surface].emission;
-                let light = Light {
-                    kind: LIGHT_TRIANGLE,
-                    position: v0.into(),
-                    v1: v1.into(),
-                    v2: v2.into(),
-                    radiance,
-                    source: surface as u32,
-                    corners: if flags & UV_BIT != 0 { triangle.map(corner) } else { [NONE; 3] },
-                    ..Light::default()
-                };
-                self.emitters.push((light, surface));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The point that single precision is kept fine around: the world's own origin as long as the scene is near it, which
-/// leaves round coordinates round; else the camera, where precision is seen.
-fn choose_origin(extent: Option<(DVec3, DVec3)>, camera: DVec3) -> DVec3 {
-    let Some((min, max)) = extent else { return DVec3::ZERO };
-    let (min, max) = (min.min(camera), max.max(camera));
-    let far = min.abs().max(max.abs()).max_element();
-    if far <= 4.0 * (max - min).length() { DVec3::ZERO } else { camera.round() }
-}
-
-/// A camera that sees the whole of the box from a little above.
-fn framing_camera(extent: Option<(DVec3, DVec3)>) -> Camera {
-    let (min, max) = extent.unwrap_or((DVec3::splat(-1.0), DVec3::splat(1.0)));
-    let (centre, radius) = ((min + max) / 2.0, ((max - min).length() / 2.0).max(1e-6));
-    let fov: f64 = 40.0;
-    let distance = radius / (fov.to_radians() / 2.0).sin();
-    let from = centre + DVec3::new(0.5, 0.35, 1.0).normalize() * distance;
-    let to_world = super::camera::look_at(from, centre, DVec3::Y).unwrap_or(DAffine3::from_translation(from));
-    Camera::new("default", to_world, fov, FovAxis::Smaller)
-}
-
-impl Scene {
-    /// The camera of that name or number, or the first one.
-    pub fn camera(&self, name: Option<&str>) -> Result<&Camera> {
-        let Some(name) = name else { return Ok(&self.cameras[0]) };
-        let by_index = name.parse::<usize>().ok().and_then(|index| self.cameras.get(index));
-        self.cameras.iter().find(|camera| camera.name == name).or(by_index).ok_or_else(|| {
-            let valid = self.cameras.iter().enumerate().map(|(index, camera)| format!("{index} ('{}')", camera.name));
-            Error::Usage(format!(
-                "{} has no camera '{name}'; it has {}",
-                self.source.display(),
-                crate::error::one_of(valid)
-            ))
-        })
-    }
-
-    /// The box of one group, in its own space.
-    pub fn group_bounds(&self, group: &Group) -> Bounds {
-        self.primitives[group.primitives()].iter().map(primitive_bounds).fold(Bounds::EMPTY, Bounds::union)
     }
 }

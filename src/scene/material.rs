@@ -205,3 +205,49 @@ impl MaterialDescription {
                 .any(|texture| *texture != NONE)
     }
 }
+
+/// The materials' records and what goes beside them.
+#[derive(Default)]
+pub(super) struct Filed {
+    pub materials: Vec<Material>,
+    pub textures: Vec<MaterialTextures>,
+    pub plastics: Vec<Plastic>,
+    pub principleds: Vec<Principled>,
+    pub layereds: Vec<Layered>,
+}
+
+/// Files the materials' parts; tables of coatings go to the end of `tables`.
+pub(super) fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
+    let mut filed = Filed::default();
+    for description in descriptions {
+        let mut record = description.record;
+        match &description.detail {
+            Detail::None => {}
+            Detail::Plastic(plastic) => {
+                let (table, inside) = description.coating();
+                let (first, internal_reflectance) = (tables.len() as u32, inside as f32);
+                record.detail = filed.plastics.len() as u32;
+                filed.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
+                tables.extend(table);
+            }
+            Detail::Principled(principled) => {
+                record.detail = filed.principleds.len() as u32;
+                filed.principleds.push(*principled);
+            }
+            Detail::Layered(layered) => {
+                record.detail = filed.layereds.len() as u32;
+                filed.layereds.push(*layered);
+            }
+        }
+        let textures = &description.textures;
+        if description.is_textured() {
+            record.textures = filed.textures.len() as u32;
+            filed.textures.push(*textures);
+        }
+        if textures.normal != NONE || textures.bump != NONE {
+            record.flags |= MATERIAL_HAS_TANGENTS;
+        }
+        filed.materials.push(record);
+    }
+    filed
+}

@@ -8,6 +8,7 @@ mod builder;
 pub mod camera;
 mod environment;
 pub mod filter;
+mod flatten;
 pub mod gltf;
 pub mod image_file;
 pub mod light;
@@ -18,6 +19,7 @@ mod metals;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
+mod placement;
 pub mod plastic;
 pub mod ply;
 mod serialized;
@@ -36,7 +38,8 @@ pub use load::{LoadOptions, load};
 pub use mesh::Mesh;
 pub use needs::Needs;
 
-use crate::bvh::Bounds;
+use crate::bvh::{Bounds, primitive_bounds};
+use crate::error::{Error, Result, one_of};
 use crate::layout::{
     AliasEntry, Blend, Corners, Layered, Light, Material, MaterialTextures, Plastic, Primitive, Principled, Surface,
     Texture,
@@ -167,4 +170,21 @@ pub struct TechniqueRequest {
     pub max_depth: Option<Option<u32>>,
     /// Segments before Russian roulette.
     pub rr_depth: Option<u32>,
+}
+
+impl Scene {
+    /// The camera of that name or number, or the first one.
+    pub fn camera(&self, name: Option<&str>) -> Result<&Camera> {
+        let Some(name) = name else { return Ok(&self.cameras[0]) };
+        let by_index = name.parse::<usize>().ok().and_then(|index| self.cameras.get(index));
+        self.cameras.iter().find(|camera| camera.name == name).or(by_index).ok_or_else(|| {
+            let valid = self.cameras.iter().enumerate().map(|(index, camera)| format!("{index} ('{}')", camera.name));
+            Error::Usage(format!("{} has no camera '{name}'; it has {}", self.source.display(), one_of(valid)))
+        })
+    }
+
+    /// The box of one group, in its own space.
+    pub fn group_bounds(&self, group: &Group) -> Bounds {
+        self.primitives[group.primitives()].iter().map(primitive_bounds).fold(Bounds::EMPTY, Bounds::union)
+    }
 }
