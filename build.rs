@@ -15,8 +15,8 @@ mod backend;
 #[allow(dead_code)]
 #[path = "src/integrator.rs"]
 mod integrator;
-#[allow(dead_code)]
-#[path = "src/layout.rs"]
+#[allow(dead_code, unused_imports)]
+#[path = "src/layout/mod.rs"]
 mod layout;
 
 /// One SPIR-V module to make.
@@ -193,7 +193,7 @@ fn run() -> Result<(), String> {
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));
-    for source in ["build.rs", "src/backend.rs", "src/integrator.rs", "src/layout.rs"] {
+    for source in ["build.rs", "src/backend.rs", "src/integrator.rs", "src/layout"] {
         println!("cargo:rerun-if-changed={source}");
     }
 

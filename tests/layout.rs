@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use lumbre::layout::{SPECIALISATION, STRUCTS, address};
+use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
@@ -64,7 +64,7 @@ fn offsets_are_the_same_on_both_sides() {
     let mut seen = BTreeSet::new();
     for name in MODULES {
         for (found, members) in structs(&load(name)) {
-            let Some(shared) = STRUCTS.iter().find(|shared| shared.name == found) else { continue };
+            let Some(shared) = layout::structs().find(|shared| shared.name == found) else { continue };
             let host: Vec<_> =
                 shared.members.iter().map(|member| (member.name.to_owned(), member.offset as u32)).collect();
             assert_eq!(members, host, "{found} in {name}");
@@ -72,14 +72,14 @@ fn offsets_are_the_same_on_both_sides() {
         }
     }
     // `load_primitive` unpacks primitives by hand; see below.
-    let all: BTreeSet<_> = STRUCTS.iter().map(|shared| shared.name).filter(|name| *name != "Primitive").collect();
+    let all: BTreeSet<_> = layout::structs().map(|shared| shared.name).filter(|name| *name != "Primitive").collect();
     assert_eq!(seen, all, "every shared struct is in memory in one of {MODULES:?}");
 }
 
 /// The words that `load_primitive` takes apart.
 #[test]
 fn primitives_are_ten_words() {
-    let primitive = STRUCTS.iter().find(|shared| shared.name == "Primitive").unwrap();
+    let primitive = layout::structs().find(|shared| shared.name == "Primitive").unwrap();
     let offsets: Vec<_> = primitive.members.iter().map(|member| (member.name, member.offset)).collect();
     assert_eq!(offsets, [("v0", 0), ("v1", 12), ("v2", 24), ("surface", 36)]);
     assert_eq!(primitive.size, 40);
@@ -104,7 +104,7 @@ fn array_strides_are_the_sizes() {
             .filter(|instruction| matches!(instruction.class.opcode, Op::TypeRuntimeArray | Op::TypeArray))
         {
             let element = names.get(&array.operands[0].unwrap_id_ref());
-            let Some(shared) = STRUCTS.iter().find(|shared| element == Some(&shared.name)) else { continue };
+            let Some(shared) = layout::structs().find(|shared| element == Some(&shared.name)) else { continue };
             if let Some(stride) = strides.get(&array.result_id.unwrap()) {
                 assert_eq!(*stride as usize, shared.size, "stride of an array of {} in {name}", shared.name);
                 checked.insert(shared.name);

@@ -1,0 +1,154 @@
+//! Constants that both sides name: kinds, flags, bindings, sizes.
+
+#[allow(unused_imports)] // named by the documentation
+use super::scene_structs::*;
+
+/// A constant with the same name and value on both sides.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedConstant {
+    /// The constant's name.
+    pub name: &'static str,
+    /// Its value.
+    pub value: u32,
+}
+
+macro_rules! shared_constants {
+    ($( $(#[doc = $doc:literal])* pub const $name:ident = $value:expr; )*) => {
+        $( $(#[doc = $doc])* pub const $name: u32 = $value; )*
+        /// Every shared constant.
+        pub const CONSTANTS: &[SharedConstant] = &[$( SharedConstant { name: stringify!($name), value: $name } ),*];
+    };
+}
+
+shared_constants! {
+    /// No index.
+    pub const NONE = u32::MAX;
+    /// Flag on [`Primitive::surface`]: the primitive is a sphere.
+    pub const SPHERE_BIT = 0x8000_0000;
+    /// Flag on [`Primitive::surface`]: the triangle has vertex normals.
+    pub const SMOOTH_BIT = 0x4000_0000;
+    /// The bits of [`Primitive::surface`] that index the surfaces.
+    pub const SURFACE_MASK = 0x0fff_ffff;
+    /// Flag on [`Primitive::surface`]: the triangle has texture coordinates.
+    pub const UV_BIT = 0x2000_0000;
+    /// Flag on [`Primitive::surface`]: the triangle has tangents.
+    pub const TANGENT_BIT = 0x1000_0000;
+
+    /// Lambertian reflection.
+    pub const MATERIAL_DIFFUSE = 0;
+    /// A mirror of metal.
+    pub const MATERIAL_CONDUCTOR = 1;
+    /// A rough metal (GGX).
+    pub const MATERIAL_ROUGH_CONDUCTOR = 2;
+    /// Smooth glass.
+    pub const MATERIAL_DIELECTRIC = 3;
+    /// Rough glass (GGX).
+    pub const MATERIAL_ROUGH_DIELECTRIC = 4;
+
+    /// A thin sheet of glass, met once.
+    pub const MATERIAL_THIN_DIELECTRIC = 5;
+    /// A diffuse base under a smooth coating.
+    pub const MATERIAL_PLASTIC = 6;
+    /// A diffuse base under a rough coating (GGX).
+    pub const MATERIAL_ROUGH_PLASTIC = 7;
+    /// Burley's principled BSDF.
+    pub const MATERIAL_PRINCIPLED = 8;
+    /// The layered material of glTF.
+    pub const MATERIAL_LAYERED = 9;
+    /// One of two materials, by chance.
+    pub const MATERIAL_BLEND = 10;
+    /// Kinds of material.
+    pub const MATERIAL_KINDS = 11;
+
+    /// Flag on [`Material::flags`]: microfacets mask each other with correlated heights.
+    pub const MASKING_CORRELATED = 1;
+    /// Flag on [`Material::flags`]: microfacet slopes are Beckmann's instead of GGX's.
+    pub const MICROFACET_BECKMANN = 2;
+    /// Flag on [`Material::flags`]: light passes through, so the material is the same from both sides.
+    pub const MATERIAL_HAS_TRANSMISSION = 4;
+    /// Flag on [`Material::flags`]: the shading frame must follow the texture coordinates.
+    pub const MATERIAL_HAS_TANGENTS = 8;
+    /// Flag on [`Material::flags`]: light that crosses it is weighted by what it absorbs inside.
+    pub const MATERIAL_HAS_ABSORPTION = 16;
+    /// Flag on [`Material::flags`]: vertex colours multiply the reflectance.
+    pub const MATERIAL_HAS_COLOURS = 32;
+
+    /// A texture of texels.
+    pub const TEXTURE_IMAGE = 0;
+    /// A texture of two colours in squares.
+    pub const TEXTURE_CHECKERBOARD = 1;
+    /// Texels of four bytes: sRGB red, green and blue, linear alpha.
+    pub const TEXELS_SRGB8 = 0;
+    /// Texels of four bytes, linear.
+    pub const TEXELS_LINEAR8 = 1;
+    /// Texels of four floats.
+    pub const TEXELS_FLOAT = 2;
+    /// Coordinates outside of the texture repeat it.
+    pub const WRAP_REPEAT = 0;
+    /// They repeat it mirrored.
+    pub const WRAP_MIRROR = 1;
+    /// They see its edge.
+    pub const WRAP_CLAMP = 2;
+    /// Flag on [`Texture::sampling`]: the nearest texel instead of bilinear interpolation.
+    pub const FILTER_NEAREST_BIT = 0x10000;
+    /// Cells of a rough plastic's table of transmittance.
+    pub const PLASTIC_CELLS = 64;
+
+    /// A triangle that emits from its front.
+    pub const LIGHT_TRIANGLE = 0;
+    /// A sphere that emits outwards.
+    pub const LIGHT_SPHERE = 1;
+    /// An isotropic point.
+    pub const LIGHT_POINT = 2;
+    /// A point with a cone.
+    pub const LIGHT_SPOT = 3;
+    /// Parallel light from infinitely far.
+    pub const LIGHT_DIRECTIONAL = 4;
+    /// A point that projects a texture.
+    pub const LIGHT_PROJECTOR = 5;
+    /// Kinds of light.
+    pub const LIGHT_KINDS = 6;
+
+    /// All rays begin in one point.
+    pub const CAMERA_PINHOLE = 0;
+    /// Rays begin on a lens and meet in the plane of focus.
+    pub const CAMERA_THIN_LENS = 1;
+    /// All rays are parallel.
+    pub const CAMERA_ORTHOGRAPHIC = 2;
+
+    /// Constant over the pixel.
+    pub const FILTER_BOX = 0;
+    /// Falls linearly.
+    pub const FILTER_TENT = 1;
+    /// A Gaussian cut off and lowered to zero there.
+    pub const FILTER_GAUSSIAN = 2;
+    /// The cubic of Mitchell and Netravali.
+    pub const FILTER_MITCHELL = 3;
+
+    /// Descriptor binding of [`SceneUniforms`].
+    pub const BINDING_SCENE = 0;
+    /// Descriptor binding of the top-level acceleration structure (`ray-query` only).
+    pub const BINDING_TLAS = 1;
+
+    /// Surfaces that the uniform buffer has room for.
+    pub const UNIFORM_SURFACES = 16;
+    /// Materials that the uniform buffer has room for.
+    pub const UNIFORM_MATERIALS = 16;
+    /// Lights that the uniform buffer has room for.
+    pub const UNIFORM_LIGHTS = 8;
+
+    /// Threads of a workgroup; pixels go to it in tiles of 8 x 8.
+    pub const WORKGROUP = 64;
+    /// Cells that the pixel filter's table divides it into.
+    pub const FILTER_CELLS = 64;
+    /// Non-finite samples that are located; more are only counted.
+    pub const BAD_SAMPLES = 16;
+    /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.
+    pub const RAY_COUNTERS = 64;
+    /// The largest number of triangles that a kernel can hold as constants.
+    pub const INLINE_MAX = 48;
+    /// Bounces that `lumbre rays` follows its paths for.
+    pub const RAY_BOUNCES = 3;
+    /// Bytes of one node of the compressed wide BVH.
+    pub const NODE_BYTES = 80;
+}

@@ -1,0 +1,159 @@
+//! What a dispatch is given and what it leaves: push constants, the film, and the records of the kernels that tests run.
+
+use super::{Member, SharedStruct, float, uint, uvec2, vec3, vec4};
+#[allow(unused_imports)] // named by the documentation
+use super::{constants::*, scene_structs::*};
+
+shared_structs! {
+    /// What changes from one dispatch to the next: the push constants.
+    pub struct FrameConstants {
+        /// Device address of the [`FilmPixel`]s.
+        film: uvec2,
+        /// Device address of the per-length layers: for each pixel, `LENGTH_LAYERS` times six floats (sum, its low part).
+        lengths: uvec2,
+        /// Device address of the one [`Tally`].
+        tally: uvec2,
+        /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
+        first_slot: uint,
+        /// Slots of this dispatch.
+        slot_count: uint,
+        /// First sample of each pixel in this dispatch.
+        first_sample: uint,
+        /// Samples of each pixel in this dispatch.
+        sample_count: uint,
+        /// Width of the image in pixels.
+        width: uint,
+        /// Height of the image in pixels.
+        height: uint,
+        /// Seed of the random numbers.
+        seed: uint,
+    }
+
+    /// Sums over the samples of one pixel: a value is the sum of a float and its low part (Knuth's two-sum).
+    pub struct FilmPixel {
+        /// Sum of the samples.
+        sum: vec3,
+        /// Its low part.
+        sum_low: vec3,
+        /// Sum of their squares.
+        squares: vec3,
+        /// Its low part.
+        squares_low: vec3,
+    }
+
+    /// A sample that was not finite: where it was.
+    pub struct BadSample {
+        /// Pixel index, y * width + x.
+        pixel: uint,
+        /// Sample index within the pixel.
+        sample_index: uint,
+    }
+
+    /// Counters that the host reads and clears after every frame.
+    pub struct Tally {
+        /// Samples that were dropped because they were not finite; the first [`BAD_SAMPLES`] are listed after it.
+        bad_samples: uint,
+    }
+
+    /// A ray and what to report of it, for the kernels that tests and `lumbre rays` run.
+    pub struct RayRecord {
+        /// Origin.
+        origin: vec3,
+        /// Direction; distances are in units of its length.
+        direction: vec3,
+        /// Largest distance that counts.
+        t_max: float,
+    }
+
+    /// The answer to a [`RayRecord`].
+    pub struct HitRecord {
+        /// Distance in units of the direction's length, negative where nothing was hit.
+        t: float,
+        /// Primitive index, in the order of the uploaded primitives.
+        primitive: uint,
+        /// Instance index.
+        instance: uint,
+        /// Barycentric weight of the second vertex.
+        u: float,
+        /// Barycentric weight of the third vertex.
+        v: float,
+        /// 1 where `trace_any` found the ray blocked.
+        blocked: uint,
+    }
+
+    /// Directions and uniform numbers to ask a BSDF about.
+    pub struct BsdfQuery {
+        /// Index of the material.
+        material: uint,
+        /// Outgoing direction, local.
+        wo: vec3,
+        /// Incident direction to evaluate, local.
+        wi: vec3,
+        /// Numbers to sample another one with.
+        u: vec3,
+    }
+
+    /// The answer to a [`BsdfQuery`].
+    pub struct BsdfAnswer {
+        /// f |cos| of the query's directions.
+        value: vec3,
+        /// Density of the query's incident direction.
+        pdf_w: float,
+        /// The sampled incident direction.
+        sampled: vec3,
+        /// f |cos| / density of the sampled direction.
+        weight: vec3,
+        /// Density of the sampled direction.
+        sampled_pdf_w: float,
+        /// f |cos| of the sampled direction, evaluated.
+        sampled_value: vec3,
+        /// Density of the sampled direction, evaluated.
+        evaluated_pdf_w: float,
+        /// 1 where the sampled lobe is a delta.
+        delta: uint,
+    }
+
+    /// A point that light is sampled at, and a direction to look in from there.
+    pub struct LightQuery {
+        /// The point, in coordinates of the scene's arrays.
+        point: vec3,
+        /// The direction, unit.
+        direction: vec3,
+        /// Numbers to sample a light with.
+        u: vec4,
+    }
+
+    /// The answer to a [`LightQuery`].
+    pub struct LightAnswer {
+        /// The sampled direction.
+        wi: vec3,
+        /// Radiance / density of the sample; of a delta light, irradiance on a facing surface / probability.
+        weight: vec3,
+        /// Density of the sample over solid angle; 0 where there is none.
+        pdf_w: float,
+        /// 1 where no direction hits the sampled light by chance.
+        delta: uint,
+        /// 1 where nothing stands between the point and the sample.
+        visible: uint,
+        /// Emission that a ray in the sampled direction finds.
+        found: vec3,
+        /// Density of choosing what it finds.
+        found_pdf_w: float,
+        /// Emission in the query's direction.
+        asked: vec3,
+        /// Density of choosing what lies there.
+        asked_pdf_w: float,
+    }
+
+    /// A coordinate of the random numbers.
+    pub struct RandomQuery {
+        /// Pixel index.
+        pixel: uint,
+        /// Sample index.
+        sample_index: uint,
+        /// Block of four dimensions.
+        dimension: uint,
+        /// Seed.
+        seed: uint,
+    }
+}

@@ -1,0 +1,30 @@
+//! The macro that declares a struct on both sides at once.
+
+macro_rules! shared_structs {
+    ($(
+        $(#[doc = $doc:literal])*
+        pub struct $name:ident { $( $(#[doc = $member_doc:literal])* $member:ident : $kind:ident ),* $(,)? }
+    )*) => {
+        $(
+            $(#[doc = $doc])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+            pub struct $name { $( $(#[doc = $member_doc])* pub $member: $kind ),* }
+            const _: () = assert!(align_of::<$name>() == 4, "a shared struct has alignment 4");
+        )*
+
+        /// The shared structs of this module, in the order of declaration.
+        pub(super) const STRUCTS: &[SharedStruct] = &[$(
+            SharedStruct {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                members: &[$( Member { name: stringify!($member), offset: std::mem::offset_of!($name, $member) } ),*],
+                glsl: concat!(
+                    "struct ", stringify!($name), " {\n",
+                    $( "    ", stringify!($kind), " ", stringify!($member), ";\n", )*
+                    "};\n"
+                ),
+            },
+        )*];
+    };
+}

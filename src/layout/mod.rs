@@ -1,0 +1,123 @@
+//! Every struct, constant and binding that the host and the shaders share, from one source.
+//!
+//! `build.rs` includes this file, writes [`glsl`] to `generated/layout.glsl`, and each shader includes that; so a field
+//! that is added here exists on both sides or on neither. `tests/layout.rs` reads the compiled SPIR-V back and compares
+//! each member's offset with the host's.
+//!
+//! Rules: scalar block layout; each shared struct has alignment 4, so that it has no padding on either side; a device
+//! address is a [`uvec2`] (low word, high word); lengths in scene units, angles in radians, radiance in W/(m² sr) per
+//! colour channel (linear sRGB primaries).
+
+#![allow(non_camel_case_types)]
+
+#[macro_use]
+mod macros;
+mod constants;
+mod frame_structs;
+mod scene_structs;
+mod specialisation;
+
+pub use constants::*;
+pub use frame_structs::*;
+pub use scene_structs::*;
+pub use specialisation::*;
+
+/// A GLSL `float`.
+pub type float = f32;
+/// A GLSL `uint`.
+pub type uint = u32;
+/// A GLSL `vec2`.
+pub type vec2 = [f32; 2];
+/// A GLSL `vec3`, 12 bytes under scalar layout.
+pub type vec3 = [f32; 3];
+/// A GLSL `vec4`.
+pub type vec4 = [f32; 4];
+/// A GLSL `uvec3`.
+pub type uvec3 = [u32; 3];
+/// A GLSL `uvec2`; also a 64-bit device address, low word first.
+pub type uvec2 = [u32; 2];
+
+/// A 64-bit device address as the shared structs hold it.
+pub const fn address(value: u64) -> uvec2 {
+    [value as u32, (value >> 32) as u32]
+}
+
+/// One member of a shared struct, as the host lays it out.
+#[derive(Clone, Copy, Debug)]
+pub struct Member {
+    /// The member's name, the same on both sides.
+    pub name: &'static str,
+    /// Bytes from the start of the struct.
+    pub offset: usize,
+}
+
+/// One shared struct: its GLSL text and the host's layout of it.
+#[derive(Clone, Copy, Debug)]
+pub struct SharedStruct {
+    /// The struct's name, the same on both sides.
+    pub name: &'static str,
+    /// Bytes of one element of an array of it.
+    pub size: usize,
+    /// Its members in order.
+    pub members: &'static [Member],
+    /// Its declaration in GLSL.
+    pub glsl: &'static str,
+}
+
+/// Every shared struct, in the order of declaration.
+pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
+    scene_structs::STRUCTS.iter().chain(frame_structs::STRUCTS)
+}
+
+/// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
+pub const INLINE_FIRST_ID: u32 = 100;
+
+/// The text of `generated/layout.glsl`.
+pub fn glsl() -> String {
+    let mut text = String::from("// Generated from src/layout/.\n\n");
+    for constant in CONSTANTS {
+        text += &format!("const uint {} = {}u;\n", constant.name, constant.value);
+    }
+    text.push('\n');
+    for constant in SPECIALISATION {
+        let default = if constant.kind == "bool" { "false" } else { "1" }; // 1: some are sizes of arrays
+        let special =
+            format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
+        if RARE.contains(&constant.name) {
+            text += &format!("#ifdef LEAN\nconst bool {} = false;\n#else\n{special}#endif\n", constant.name);
+        } else {
+            text += &special;
+        }
+    }
+    text.push('\n');
+    for shared in structs() {
+        text += shared.glsl;
+        text.push('\n');
+    }
+    text
+}
+
+/// The text of `generated/inline.glsl`: `INLINE_TRIANGLES(visit)` calls `visit(index, v0, v1, v2)` for each triangle that
+/// the kernel holds as constants. Straight-line on purpose: a loop over constants is a loop over memory.
+pub fn inline_glsl() -> String {
+    let mut text = String::from("// Generated from src/layout/.\n\n");
+    for coordinate in 0..9 * INLINE_MAX {
+        text +=
+            &format!("layout(constant_id = {}) const float INLINE_{coordinate} = 0;\n", INLINE_FIRST_ID + coordinate);
+    }
+    text += "\n#define INLINE_TRIANGLES(visit)";
+    for triangle in 0..INLINE_MAX {
+        let vertex = |k: u32| {
+            let first = 9 * triangle + 3 * k;
+            format!("vec3(INLINE_{}, INLINE_{}, INLINE_{})", first, first + 1, first + 2)
+        };
+        text += &format!(
+            " \\\n    if (INLINE_COUNT > {triangle}u) visit({triangle}u, {}, {}, {})",
+            vertex(0),
+            vertex(1),
+            vertex(2)
+        );
+    }
+    text.push('\n');
+    text
+}

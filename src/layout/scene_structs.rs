@@ -1,0 +1,348 @@
+//! What a scene is on the device: primitives, surfaces, materials, textures, lights, uniforms.
+
+#[allow(unused_imports)] // named by the documentation
+use super::constants::*;
+use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
+
+shared_structs! {
+    /// A triangle, or a sphere where `surface` has [`SPHERE_BIT`]: then `v0` is its centre and `v1[0]` its radius.
+    /// Positions are in the space of the group that holds it.
+    pub struct Primitive {
+        /// First vertex, or the centre of a sphere.
+        v0: vec3,
+        /// Second vertex, or (radius, 0, 0).
+        v1: vec3,
+        /// Third vertex.
+        v2: vec3,
+        /// Index into the surfaces, with [`SPHERE_BIT`] and [`SMOOTH_BIT`] on top.
+        surface: uint,
+    }
+
+    /// Where a triangle's vertex attributes lie: indices into the vertex normals and texture coordinates.
+    pub struct Corners {
+        /// The first vertex.
+        i0: uint,
+        /// The second vertex.
+        i1: uint,
+        /// The third vertex.
+        i2: uint,
+    }
+
+    /// What a primitive is made of and what it emits.
+    pub struct Surface {
+        /// Material of the side that the normal points to, or [`NONE`], which reflects nothing.
+        front: uint,
+        /// Material of the other side, or [`NONE`]. Its frame is turned round, so it too sees light from above.
+        back: uint,
+        /// Emitted radiance of the front side, W/(m² sr).
+        emission: vec3,
+        /// Density with which light selection and sampling pick a point of it: per area (1/m²) on triangles; on a sphere
+        /// the probability of picking that sphere, whose points are then picked by solid angle.
+        light_density: float,
+        /// Texture that multiplies the emission, or [`NONE`].
+        emission_texture: uint,
+        /// Share of light that the surface stops; the rest passes straight through, whatever the material.
+        opacity: float,
+        /// Texture that multiplies the opacity, or [`NONE`].
+        opacity_texture: uint,
+        /// With an opacity texture: where above 0, opacities below it count as 0 and others as 1.
+        opacity_cutoff: float,
+    }
+
+    /// The parameters of one BSDF; which of them count depends on `kind`.
+    pub struct Material {
+        /// One of the `MATERIAL_*` constants.
+        kind: uint,
+        /// The `MASKING_*` and `MATERIAL_HAS_*` bits.
+        flags: uint,
+        /// Index of what does not fit here: into the blends, plastics, principleds or layereds, by `kind`.
+        detail: uint,
+        /// Index into the [`MaterialTextures`], or [`NONE`].
+        textures: uint,
+        /// GGX roughness along the first tangent.
+        alpha_u: float,
+        /// GGX roughness along the second tangent.
+        alpha_v: float,
+        /// Index of refraction of the inside over that of the outside.
+        eta: float,
+        /// Albedo of a diffuse material; factor on specular reflection elsewhere.
+        reflectance: vec3,
+        /// Factor on specular transmission.
+        transmittance: vec3,
+        /// Real part of a conductor's index of refraction, over that of the outside.
+        conductor_eta: vec3,
+        /// Imaginary part of it.
+        conductor_k: vec3,
+    }
+
+    /// The textures of a material. Each multiplies (colours, weights) or replaces (roughness) what the material says.
+    pub struct MaterialTextures {
+        /// Of the reflectance or base colour, or [`NONE`].
+        reflectance: uint,
+        /// Of the transmittance, or of a plastic's specular reflectance.
+        transmittance: uint,
+        /// Of the roughness along both tangents: alpha, or perceptual roughness of principled and layered materials.
+        roughness: uint,
+        /// Of the metalness.
+        metallic: uint,
+        /// Tangent-space normals.
+        normal: uint,
+        /// Factor on the first two components of those normals.
+        normal_scale: float,
+        /// Height that displaces the surface (bump map).
+        bump: uint,
+        /// Factor on that height, in scene units.
+        bump_scale: float,
+    }
+
+    /// Two materials, one of which a path meets by chance.
+    pub struct Blend {
+        /// Met with probability 1 - weight.
+        first: uint,
+        /// Met with probability `weight`.
+        second: uint,
+        /// The probability of the second.
+        weight: float,
+        /// Texture of the weight, or [`NONE`].
+        weight_texture: uint,
+    }
+
+    /// A diffuse base under a smooth or rough dielectric coating.
+    pub struct Plastic {
+        /// Factor on the coating's reflection.
+        specular: vec3,
+        /// Diffuse Fresnel reflectance of the coating from inside: what the base's light is thrown back by.
+        internal_reflectance: float,
+        /// Probability, but for Fresnel, of sampling the coating.
+        specular_weight: float,
+        /// 1: light that is thrown back takes on the base's colour each time.
+        nonlinear: uint,
+        /// First of [`PLASTIC_CELLS`] values in the float tables: transmittance of a rough coating by cosine.
+        table: uint,
+    }
+
+    /// Parameters of the principled BSDF (Burley 2012, 2015).
+    pub struct Principled {
+        /// 0: dielectric, 1: metal.
+        metallic: float,
+        /// Stretches the highlight along the tangent.
+        anisotropic: float,
+        /// Share of a dielectric's light that is refracted rather than scattered diffusely.
+        spec_trans: float,
+        /// How much the base colour tints the dielectric's reflection.
+        spec_tint: float,
+        /// Strength of the sheen.
+        sheen: float,
+        /// How much the base colour tints it.
+        sheen_tint: float,
+        /// Blends the diffuse lobe towards an approximation of subsurface scattering.
+        flatness: float,
+        /// Strength of the clear coat.
+        clearcoat: float,
+        /// Its glossiness.
+        clearcoat_gloss: float,
+    }
+
+    /// Parameters of the layered material of glTF 2.0 (metallic-roughness and its extensions).
+    pub struct Layered {
+        /// 0: dielectric, 1: metal.
+        metallic: float,
+        /// Strength of the dielectric's reflection.
+        specular: float,
+        /// Colour of that reflection at normal incidence.
+        specular_colour: vec3,
+        /// Share of the dielectric's light that passes through rather than scatters diffusely.
+        transmission: float,
+        /// Strength of the clear coat.
+        clearcoat: float,
+        /// Its perceptual roughness.
+        clearcoat_roughness: float,
+        /// Colour of the sheen.
+        sheen_colour: vec3,
+        /// Its perceptual roughness.
+        sheen_roughness: float,
+        /// Absorption inside, 1/m per channel.
+        absorption: vec3,
+        /// 1: refracts as the boundary of a volume; 0: light passes straight through a thin wall.
+        is_volume: uint,
+        /// Texture whose alpha multiplies `specular`, or [`NONE`].
+        specular_texture: uint,
+        /// Texture of the specular colour.
+        specular_colour_texture: uint,
+        /// Texture whose red multiplies the transmission.
+        transmission_texture: uint,
+        /// Texture whose red multiplies the clear coat.
+        clearcoat_texture: uint,
+        /// Texture whose green multiplies the clear coat's roughness.
+        clearcoat_roughness_texture: uint,
+        /// Texture of the sheen's colour.
+        sheen_colour_texture: uint,
+        /// Texture whose alpha multiplies the sheen's roughness.
+        sheen_roughness_texture: uint,
+    }
+
+    /// Values over texture coordinates: texels, or a pattern.
+    pub struct Texture {
+        /// One of the `TEXTURE_*` kinds.
+        kind: uint,
+        /// One of the `TEXELS_*` formats.
+        format: uint,
+        /// Device address of the texels, row by row from the first.
+        texels: uvec2,
+        /// Texels across.
+        width: uint,
+        /// Texels down.
+        height: uint,
+        /// One of the `WRAP_*` constants for each direction, 8 bits each; then [`FILTER_NEAREST_BIT`].
+        sampling: uint,
+        /// Channel of a scalar: 0 to 3, or 4 for luminance.
+        channel: uint,
+        /// First row of the map from surface to texture coordinates.
+        row_u: vec3,
+        /// Second row of it.
+        row_v: vec3,
+        /// Factor on the values; the first colour of a checkerboard.
+        scale: vec4,
+        /// Added to the values; the second colour of a checkerboard.
+        offset: vec4,
+    }
+
+    /// One entry of an alias table over texels.
+    pub struct AliasEntry {
+        /// Probability of keeping this entry once it is drawn ...
+        keep: float,
+        /// ... and the entry to take instead.
+        alias: uint,
+        /// Density of this entry over the unit square of texture coordinates.
+        density: float,
+    }
+
+    /// One entry of the light table; what its members mean depends on `kind`.
+    pub struct Light {
+        /// One of the `LIGHT_*` constants.
+        kind: uint,
+        /// Triangle: first vertex. Sphere: centre. Point, spot: position.
+        position: vec3,
+        /// Triangle: second vertex. Sphere: (radius, 0, 0). Spot, directional: unit direction in which light travels.
+        v1: vec3,
+        /// Triangle: third vertex. Spot: (cut-off angle, beam width, 1 for the falloff of glTF).
+        v2: vec3,
+        /// Area lights: radiance, W/(m² sr). Point, spot: intensity, W/sr. Directional: irradiance, W/m².
+        radiance: vec3,
+        /// Probability of being selected.
+        probability: float,
+        /// Alias table (Walker 1977): probability of keeping this entry once it is drawn ...
+        keep: float,
+        /// ... and the entry to take instead.
+        alias: uint,
+        /// Area light: its surface. Spot, projector: texture that multiplies the intensity, or [`NONE`].
+        source: uint,
+        /// Triangle with a texture: the vertices' texture coordinates in the vertex attributes. Spot, projector: the
+        /// light's frame, three floats each, in the float tables.
+        corners: uvec3,
+    }
+
+    /// One placement of a group of primitives: an affine map and where the group's data begins.
+    pub struct Instance {
+        /// World from object, first row.
+        world0: vec4,
+        /// World from object, second row.
+        world1: vec4,
+        /// World from object, third row.
+        world2: vec4,
+        /// Object from world, first row.
+        object0: vec4,
+        /// Object from world, second row.
+        object1: vec4,
+        /// Object from world, third row.
+        object2: vec4,
+        /// `bvh`: the node at which the group's tree begins.
+        root: uint,
+        /// `ray-query`: the first primitive of the geometry that this instance places.
+        first_primitive: uint,
+        /// 0 where both maps are the identity, which rounds nothing.
+        moved: uint,
+    }
+
+    /// What stays the same through one rendering: the beginning of the uniform buffer at [`BINDING_SCENE`]. After it come
+    /// [`UNIFORM_SURFACES`] surfaces, [`UNIFORM_MATERIALS`] materials and [`UNIFORM_LIGHTS`] lights, for scenes that have
+    /// no more than that of a kind.
+    pub struct SceneUniforms {
+        /// Camera position.
+        camera_origin: vec3,
+        /// Direction through the corner (0, 0) of the image; not of unit length.
+        camera_corner: vec3,
+        /// Change of that direction per pixel to the right.
+        camera_dx: vec3,
+        /// Change of it per pixel down.
+        camera_dy: vec3,
+        /// Change of the ray's origin per unit of lens, along the image; zero for a pinhole. For an orthographic camera,
+        /// change of the origin per pixel to the right.
+        lens_x: vec3,
+        /// The same down the image.
+        lens_y: vec3,
+        /// Distance along the viewing direction at which a thin lens is in focus, in lengths of it.
+        focus: float,
+        /// Radiance of the background, or the factor on its texture.
+        background: vec3,
+        /// Texture of the background, or [`NONE`].
+        background_texture: uint,
+        /// World to background space, first row.
+        background_x: vec3,
+        /// World to background space, second row.
+        background_y: vec3,
+        /// World to background space, third row.
+        background_z: vec3,
+        /// Cells of the background's alias table, across and down.
+        background_cells: uvec2,
+        /// Device address of that table: one [`AliasEntry`] per cell, row by row.
+        background_table: uvec2,
+        /// Probability of selecting the background as the light to sample.
+        background_probability: float,
+        /// Device address of the `bvh` nodes (80 bytes each; instances first, then each group).
+        nodes: uvec2,
+        /// Device address of the [`Primitive`]s.
+        primitives: uvec2,
+        /// Device address of the [`Corners`], one per primitive; 0 where no mesh has vertex attributes.
+        corners: uvec2,
+        /// Device address of the vertex normals, three floats each.
+        normals: uvec2,
+        /// Device address of the texture coordinates, two floats each.
+        uvs: uvec2,
+        /// Device address of the tangents, four floats each: direction, and the sign of the bitangent.
+        tangents: uvec2,
+        /// Device address of the vertex colours, four floats each.
+        colours: uvec2,
+        /// Device address of the [`Surface`]s.
+        surfaces: uvec2,
+        /// Device address of the [`Material`]s.
+        materials: uvec2,
+        /// Device address of the [`MaterialTextures`].
+        material_textures: uvec2,
+        /// Device address of the [`Blend`]s.
+        blends: uvec2,
+        /// Device address of the [`Plastic`]s.
+        plastics: uvec2,
+        /// Device address of the [`Principled`]s.
+        principleds: uvec2,
+        /// Device address of the [`Layered`]s.
+        layereds: uvec2,
+        /// Device address of the [`Texture`]s.
+        textures: uvec2,
+        /// Device address of tables of floats; the first 256 decode 8-bit sRGB.
+        tables: uvec2,
+        /// Entries of the light table.
+        light_count: uint,
+        /// Device address of the [`Light`]s.
+        lights: uvec2,
+        /// Device address of the [`Instance`]s.
+        instances: uvec2,
+        /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).
+        filter_parameters: vec2,
+        /// One over the filter's integral.
+        filter_scale: float,
+        /// Device address of the positions that divide the integral of the filter's absolute value into
+        /// [`FILTER_CELLS`] equal parts.
+        filter_table: uvec2,
+    }
+}
