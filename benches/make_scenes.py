@@ -388,6 +388,40 @@ def ring():
 
 
 # file: (mesh, crease angle in degrees)
+def lantern(radius):
+    """A small paper lantern of 36 triangles."""
+    profile = [(0.0, -radius), (0.72 * radius, -0.66 * radius), (radius, 0.0), (0.72 * radius, 0.66 * radius), (0.0, radius)]
+    return lathe(profile, 6)
+
+
+def lanterns(kind, kinds=3):
+    """Every third lantern of the strings across the alley, from one wall to the other."""
+    parts = []
+    for string in range(14):
+        z, low = 0.4 - 1.05 * string, 2.25 + 0.35 * math.sin(2.1 * string)
+        for i in range(15):
+            if (i + 2 * string) % kinds != kind:
+                continue
+            t = (i + 0.5) / 15
+            x, sag = -2.0 + 4.0 * t, 4 * t * (1 - t)
+            size = 0.045 + 0.02 * math.sin(5.0 * i + 3.0 * string)
+            parts.append(moved(lantern(size), (x, low + 0.75 * (1 - sag), z + 0.12 * math.sin(4.0 * i))))
+    return together(*parts)
+
+
+def stalls():
+    """Boxes and barrels along both walls."""
+    parts = []
+    for i in range(9):
+        z, side = -0.2 - 1.55 * i, -1 if i % 2 else 1
+        wide, high = 0.42 + 0.14 * math.sin(3.0 * i), 0.55 + 0.3 * math.sin(7.0 * i + 1)
+        low, top = sorted((side * 2.0, side * (2.0 - wide)))
+        parts.append(box((low, 0.0, z - 0.5), (top, high, z + 0.35)))
+        barrel = lathe([(0.0, 0.0), (0.22, 0.0), (0.27, 0.3), (0.22, 0.6), (0.0, 0.6)], 24)
+        parts.append(moved(barrel, (-side * (1.62 - 0.1 * math.sin(5.0 * i)), 0.0, z - 0.3)))
+    return together(*parts)
+
+
 MESHES = {
     "bidirectional_room/egg.ply": (lambda: egg(0.3), 35),
     "bidirectional_room/floor_lamp.ply": (floor_lamp, 40),
@@ -404,6 +438,10 @@ MESHES = {
     "door_ajar/carafe.ply": (carafe, 35),
     "caustic_small_light/wine_glass.ply": (wine_glass, 40),
     "ring_caustic/ring.ply": (ring, 35),
+    "many_lights/lanterns_warm.ply": (lambda: lanterns(0), 35),
+    "many_lights/lanterns_red.ply": (lambda: lanterns(1), 35),
+    "many_lights/lanterns_cool.ply": (lambda: lanterns(2), 35),
+    "many_lights/stalls.ply": (stalls, 30),
     "torus_in_glass/torus.ply": (lambda: torus(0.6, 0.22, 128, 56), 35),
 }
 

@@ -385,13 +385,19 @@ impl Bench {
 
     fn sample(&self, point: DVec3, numbers: &[[f32; 4]]) -> Vec<LightAnswer> {
         let point = (point - self.origin).as_vec3().to_array();
-        let queries: Vec<_> = numbers.iter().map(|u| LightQuery { point, direction: [0.0, 0.0, 1.0], u: *u }).collect();
+        let queries: Vec<_> =
+            numbers.iter().map(|u| LightQuery { point, direction: [0.0, 0.0, 1.0], normal: [0.0; 3], u: *u }).collect();
         self.probe.run(&queries).unwrap()
     }
 
     fn look(&self, point: DVec3, directions: impl Iterator<Item = DVec3>) -> Vec<LightAnswer> {
         let point = (point - self.origin).as_vec3().to_array();
-        let ask = |direction: DVec3| LightQuery { point, direction: direction.as_vec3().into(), u: [0.5; 4] };
+        let ask = |direction: DVec3| LightQuery {
+            point,
+            direction: direction.as_vec3().into(),
+            normal: [0.0; 3],
+            u: [0.5; 4],
+        };
         self.probe.run(&directions.map(ask).collect::<Vec<_>>()).unwrap()
     }
 }

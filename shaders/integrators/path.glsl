@@ -30,7 +30,7 @@ bool path_extend(inout Path path, inout Estimate e) {
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
-        LightSample light = light_sample(v.at.position, light_u);
+        LightSample light = light_sample(vertex_receiver(v, b), light_u);
         vec3 wi = vertex_to_local(v, light.wi);
         float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi));
         vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;

@@ -8,7 +8,7 @@
 // A path from the camera, on its way from one vertex to the next.
 struct Path {
     Ray ray;
-    vec3 from;       // where the ray left the last vertex that scattered
+    Receiver from;   // the last vertex that scattered, where the ray left it
     Sampler random;
     vec3 throughput; // product of f |cos| / pdf so far
     vec3 absorption; // of the medium that the ray is in, 1/m
@@ -21,7 +21,7 @@ struct Path {
 Path path_begin(inout Pixel pixel, inout Estimate e) {
     Path path;
     path.ray = sample_open(pixel, e, path.random);
-    path.from = path.ray.origin;
+    path.from = Receiver(path.ray.origin, vec3(0.0), false);
     path.throughput = vec3(1.0);
     path.absorption = vec3(0.0);
     path.pdf_w = 1.0;
@@ -98,6 +98,9 @@ BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
     return s;
 }
 
+// The vertex as what lights shine on.
+Receiver vertex_receiver(Vertex v, Bsdf b) { return Receiver(v.at.position, v.turned * v.frame.normal, bsdf_transmits(b)); }
+
 // The ray that leaves the vertex in the world direction w.
 Ray vertex_ray(Vertex v, vec3 w) {
     return Ray(offset_origin(v.at.position, v.at.margin, v.at.normal, w), w, INFINITY);
@@ -125,7 +128,7 @@ vec3 vertex_transmittance(Vertex v, LightSample light, vec3 absorption, inout ui
 
 // Takes away what the medium absorbed on the way to the vertex.
 void path_absorb(inout Path path, Vertex v) {
-    if (HAS_ABSORPTION) path.throughput *= exp(-path.absorption * distance(path.from, v.at.position));
+    if (HAS_ABSORPTION) path.throughput *= exp(-path.absorption * distance(path.from.position, v.at.position));
 }
 
 // Goes on in the direction that the BSDF chose.
@@ -136,7 +139,8 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.eta *= s.eta;
     path.depth += 1u;
     path.ray = vertex_ray(v, vertex_to_world(v, s.wi));
-    path.from = path.ray.origin;
+    path.from = vertex_receiver(v, b);
+    path.from.position = path.ray.origin;
     if (HAS_ABSORPTION && (b.m.flags & MATERIAL_HAS_ABSORPTION) != 0u && s.wi.z * v.wo.z < 0.0)
         path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }

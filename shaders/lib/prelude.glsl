@@ -42,6 +42,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Pri
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Layereds { Layered at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Textures { Texture at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasTable { AliasEntry at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightNodes { LightNode at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Instances { Instance at[]; };
 
 // Distances begin at 0: whoever starts a ray on a surface moves its origin off that surface.

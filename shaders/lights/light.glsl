@@ -29,6 +29,7 @@ vec3 light_space(Light light, vec3 w) {
                 dot(w, vec3(f.at[i + 6u], f.at[i + 7u], f.at[i + 8u])));
 }
 
+#include "lights/light_tree.glsl"
 #include "lights/triangle.glsl"
 #include "lights/sphere.glsl"
 #include "lights/point.glsl"
@@ -37,21 +38,31 @@ vec3 light_space(Light light, vec3 w) {
 #include "lights/directional.glsl"
 #include "lights/background.glsl"
 
-// A sample of one light, chosen from the alias table (or the background) by u.xy, then sampled by u.zw.
-LightSample light_sample(vec3 p, vec4 u) {
+// A sample of one light, chosen from the background, the alias table or the tree by u.xy, then sampled by u.zw.
+LightSample light_sample(Receiver r, vec4 u) {
+    vec3 p = r.position;
     if (HAS_BACKGROUND) {
         if (u.x < scene.background_probability) return background_sample(vec4(u.x / scene.background_probability, u.yzw));
         u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
     }
-    uint count = light_count();
-    if (count == 0u) return no_light();
+    uint count = HAS_LIGHT_TREE ? scene.table_lights : light_count();
+    bool from_tree = HAS_LIGHT_TREE && u.x >= scene.table_probability;
+    if (count == 0u && !from_tree) return no_light();
     uint index = 0u;
-    if (count > 1u) {
+    float selection = 1.0;
+    if (HAS_LIGHT_TREE) {
+        float share = scene.table_probability;
+        if (from_tree) index = light_tree_sample(r, vec2((u.x - share) / (1.0 - share), u.y), selection);
+        else u.x /= share;
+        if (selection == 0.0) return no_light();
+    }
+    if (!from_tree && count > 1u) {
         index = min(uint(u.x * float(count)), count - 1u);
         Light drawn = load_light(index);
         if (u.y >= drawn.keep) index = drawn.alias;
     }
     Light light = load_light(index);
+    if (HAS_LIGHT_TREE) light.probability *= selection;
     LightSample s = no_light();
     if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_sample(light, p, u.zw);
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
@@ -62,8 +73,10 @@ LightSample light_sample(vec3 p, vec4 u) {
     return s;
 }
 
-// Density over solid angle at `p` with which light_sample picks the emitting point that a ray from there in this direction hit.
-float light_pdf(vec3 p, Ray ray, Hit hit, Interaction at, Surface surface) {
+// Density over solid angle with which light_sample picks the emitting point that a ray from the receiver in this direction hit.
+float light_pdf(Receiver r, Ray ray, Hit hit, Interaction at, Surface surface) {
+    if (HAS_LIGHT_TREE) surface.light_density *= light_tree_probability(r, surface.light_trail);
+    vec3 p = r.position;
     Primitive primitive;
     if (HAS_SPHERE_LIGHTS || HAS_LARGE_LIGHTS) primitive = load_primitive(hit.primitive);
     if (HAS_SPHERE_LIGHTS) {

@@ -16,7 +16,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::{DeviceKind, Gpu, Instance};
-use lumbre::scene::{LoadOptions, Scene};
+use lumbre::scene::{LightSelection, LoadOptions, Scene};
 
 /// A light-transport laboratory on raw Vulkan.
 #[derive(Parser)]
@@ -63,6 +63,10 @@ struct SceneArgs {
     /// Set a parameter of a Mitsuba scene
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     defines: Vec<(String, String)>,
+
+    /// How lights are selected: by power, from a tree by place and direction, or auto, which takes the tree from 33 lights on
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    lights: LightSelection,
 }
 
 impl DeviceArgs {
@@ -85,7 +89,7 @@ impl DeviceArgs {
 
 impl SceneArgs {
     fn load(&self) -> Result<Scene> {
-        lumbre::scene::load(&self.scene, &LoadOptions { defines: self.defines.clone() })
+        lumbre::scene::load(&self.scene, &LoadOptions { defines: self.defines.clone(), lights: self.lights })
     }
 }
 

@@ -106,6 +106,8 @@ shared_constants! {
     pub const LIGHT_DIRECTIONAL = 4;
     /// A point that projects a texture.
     pub const LIGHT_PROJECTOR = 5;
+    /// Flag on [`LightNode::link`]: the node is one light.
+    pub const LIGHT_LEAF_BIT = 0x8000_0000;
     /// Kinds of light.
     pub const LIGHT_KINDS = 6;
 

@@ -119,6 +119,8 @@ shared_structs! {
         point: vec3,
         /// The direction, unit.
         direction: vec3,
+        /// Unit normal of the surface that receives the light there, or zero where it may come from anywhere.
+        normal: vec3,
         /// Numbers to sample a light with.
         u: vec4,
     }

@@ -37,8 +37,11 @@ shared_structs! {
         /// Emitted radiance of the front side, W/(m² sr).
         emission: vec3,
         /// Density with which light selection and sampling pick a point of it: per area (1/m²) on triangles; on a sphere
-        /// the probability of picking that sphere, whose points are then picked by solid angle.
+        /// the probability of picking that sphere, whose points are then picked by solid angle. Where lights are selected
+        /// from a tree, times the probability that the tree gives.
         light_density: float,
+        /// The way through the light tree to this light: the lowest bit is the turn at the root.
+        light_trail: uint,
         /// Texture that multiplies the emission, or [`NONE`].
         emission_texture: uint,
         /// Share of light that the surface stops; the rest passes straight through, whatever the material.
@@ -242,6 +245,23 @@ shared_structs! {
         corners: uvec3,
     }
 
+    /// A node of the light tree: bounds on the lights below it, in coordinates that the root's radius makes one.
+    pub struct LightNode {
+        /// Centre of the sphere around the places of the lights.
+        centre: vec3,
+        /// Its radius.
+        radius: float,
+        /// Axis of the cone of directions that they face, an octahedron unfolded to 2 x 12 bits; then, in 8 bits, the cosine of
+        /// the angle to the direction that a light faces beyond which it sheds nothing.
+        axis: uint,
+        /// Cosine and sine of that cone's half angle, 16 bits each.
+        facing: uint,
+        /// Their greatest radiant intensities, as a share of all lights'.
+        intensity: float,
+        /// The first of two children, or, with [`LIGHT_LEAF_BIT`], the light.
+        link: uint,
+    }
+
     /// One placement of a group of primitives: an affine map and where the group's data begins.
     pub struct Instance {
         /// World from object, first row.
@@ -335,6 +355,18 @@ shared_structs! {
         light_count: uint,
         /// Device address of the [`Light`]s.
         lights: uvec2,
+        /// Lights that are selected from the alias table: the first ones. Others are selected from the tree.
+        table_lights: uint,
+        /// Probability of selecting one from the table, where the background was not selected.
+        table_probability: float,
+        /// Probability of going to the tree.
+        tree_probability: float,
+        /// Device address of the [`LightNode`]s.
+        light_tree: uvec2,
+        /// Origin of their coordinates.
+        light_tree_origin: vec3,
+        /// Factor on coordinates relative to that.
+        light_tree_scale: float,
         /// Device address of the [`Instance`]s.
         instances: uvec2,
         /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).

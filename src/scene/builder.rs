@@ -7,12 +7,13 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::camera::Camera;
 use super::flatten::{Flat, PendingGroup, Shape};
-use super::light::{Lamp, fill_alias_table, importance, power, triangle_area};
+use super::light::{Lamp, importance};
+use super::light_table::{self, Candidate, LightSelection};
 use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
 use super::texture::{Pattern, TextureDescription, TextureImage, srgb_table};
-use super::{Environment, FilmSettings, Filter, Instance, Scene, TechniqueRequest, environment};
+use super::{Environment, FilmSettings, Filter, Instance, LightTree, Scene, TechniqueRequest, environment};
 use crate::bvh::Bounds;
 use crate::error::{Error, Result};
 use crate::layout::{
@@ -65,6 +66,8 @@ pub struct SceneBuilder {
     pub background: Option<[f64; 3]>,
     /// A texture that multiplies it, and the image's axes in the world (its up axis is the second).
     pub environment: Option<(u32, DMat3)>,
+    /// How its lights are selected.
+    pub light_selection: LightSelection,
     /// What the user should know.
     pub warnings: Vec<String>,
     images: Vec<TextureImage>,
@@ -90,6 +93,7 @@ impl SceneBuilder {
             lamps: Vec::new(),
             background: None,
             environment: None,
+            light_selection: LightSelection::default(),
             warnings: Vec::new(),
             images: Vec::new(),
             textures: Vec::new(),
@@ -285,9 +289,8 @@ impl SceneBuilder {
         let mut tables = if is_textured { srgb_table() } else { Vec::new() };
         let filed = file_materials(&self.materials, &mut tables);
 
-        let mut lights: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin, &mut tables)).collect();
-        lights.extend(flat.emitters.iter().map(|emitter| emitter.0));
-        if lights.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
+        let lamps: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin, &mut tables)).collect();
+        if lamps.is_empty() && flat.emitters.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
             self.warnings.push(String::from("the scene has no light: a white sky of radiance 1 stands in"));
             self.background = Some([1.0; 3]);
         }
@@ -305,26 +308,18 @@ impl SceneBuilder {
             background = None; // a black image
         }
         let mut brightness = HashMap::new();
-        let weights: Vec<f64> =
-            lights.iter().map(|light| self.light_power(light, &flat.surfaces, radius, &mut brightness)).collect();
-        let background_probability = match (background.is_some(), weights.iter().sum::<f64>() > 0.0) {
-            (true, true) => 0.5, // neither can starve the other, whichever the scene shows more of
-            (true, false) => 1.0,
-            (false, _) => 0.0,
-        };
-        if weights.iter().sum::<f64>() > 0.0 {
-            fill_alias_table(&mut lights, &weights, 1.0 - background_probability);
-        } else {
-            lights.clear();
-        }
-        // The density with which a point of each emitting surface is picked, for paths that hit it by themselves.
-        for (light, (_, surface)) in lights.iter().skip(self.lamps.len()).zip(&flat.emitters) {
-            flat.surfaces[*surface].light_density = if light.kind == LIGHT_SPHERE {
-                light.probability
-            } else {
-                (f64::from(light.probability) / triangle_area(light)) as f32
-            };
-        }
+        let mut factor = |light: &Light| self.light_factor(light, &flat.surfaces, &mut brightness);
+        let mut candidates: Vec<Candidate> =
+            lamps.into_iter().map(|lamp| Candidate::lamp(lamp, factor(&lamp))).collect();
+        candidates.extend(flat.emitters.iter().map(|emitter| Candidate::emitter(emitter, factor(&emitter.light))));
+        let table = light_table::arrange(
+            candidates,
+            self.light_selection,
+            background.is_some(),
+            radius,
+            &mut flat.surfaces,
+            &mut flat.primitives,
+        );
 
         for camera in &mut self.cameras {
             camera.to_world.translation -= origin;
@@ -350,10 +345,13 @@ impl SceneBuilder {
             textures: self.textures.iter().map(|texture| texture.entry(&self.images)).collect(),
             images: self.images,
             tables,
-            lights,
+            lights: table.lights,
+            table_lights: table.in_table,
+            table_probability: table.table_probability as f32,
+            light_tree: LightTree { nodes: table.tree.nodes, origin: table.tree.origin, scale: table.tree.scale },
             background: background.map(|rgb| rgb.map(|channel| channel as f32)),
             environment,
-            background_probability: background_probability as f32,
+            background_probability: table.background_probability as f32,
             groups: placed,
             instances,
             origin,
@@ -376,18 +374,17 @@ impl SceneBuilder {
         }))
     }
 
-    /// The flux that a light brings, its texture included. `brightness` keeps the means of textures, which take a look at
-    /// every texel: a mesh of many lights shares one.
-    fn light_power(&self, light: &Light, surfaces: &[Surface], radius: f64, brightness: &mut HashMap<u32, f64>) -> f64 {
+    /// What its texture leaves of a light in the mean. `brightness` keeps the means of textures, which take a look at every
+    /// texel: a mesh of many lights shares one.
+    fn light_factor(&self, light: &Light, surfaces: &[Surface], brightness: &mut HashMap<u32, f64>) -> f64 {
         let texture = match light.kind {
             LIGHT_TRIANGLE | LIGHT_SPHERE => surfaces[light.source as usize].emission_texture,
             LIGHT_SPOT | LIGHT_PROJECTOR => light.source,
             _ => NONE,
         };
-        let factor = Some(texture).filter(|texture| *texture != NONE).map_or(1.0, |texture| {
-            *brightness.entry(texture).or_insert_with(|| importance(self.texture_mean(texture)))
-        });
-        power(light, radius) * factor
+        Some(texture)
+            .filter(|texture| *texture != NONE)
+            .map_or(1.0, |texture| *brightness.entry(texture).or_insert_with(|| importance(self.texture_mean(texture))))
     }
 
     /// The box around everything that is placed, in world coordinates; nothing where there is no geometry.

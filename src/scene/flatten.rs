@@ -1,5 +1,6 @@
 //! From meshes and spheres in double precision to the flat arrays of primitives and their attributes.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
@@ -28,6 +29,17 @@ pub(super) struct PendingGroup {
     pub shapes: Vec<(Shape, usize, String)>,
 }
 
+/// A primitive that emits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Emitter {
+    /// Its entry of the light table, still without probabilities.
+    pub light: Light,
+    /// Its surface.
+    pub surface: usize,
+    /// The primitive.
+    pub primitive: usize,
+}
+
 /// The flat arrays while they grow.
 pub(super) struct Flat {
     pub primitives: Vec<Primitive>,
@@ -39,8 +51,8 @@ pub(super) struct Flat {
     pub tangents: Vec<[f32; 4]>,
     pub colours: Vec<[f32; 4]>,
     pub surfaces: Vec<Surface>,
-    /// Entries of the light table and the surface that each belongs to.
-    pub emitters: Vec<(Light, usize)>,
+    /// The lights that primitives are.
+    pub emitters: Vec<Emitter>,
     pub degenerate: usize,
     pub triangles_seen: usize,
 }
@@ -59,6 +71,7 @@ impl Flat {
                     back: side(glass.or(description.back)),
                     emission: description.emission.map(|channel| channel as f32),
                     light_density: 0.0,
+                    light_trail: 0,
                     emission_texture: description.emission_texture.unwrap_or(NONE),
                     opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
                     opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),
@@ -111,9 +124,10 @@ impl Flat {
             }
         }
         let middle = self.primitives.len() as u32;
+        let mut lit_surfaces: HashSet<usize> = self.emitters.iter().map(|emitter| emitter.surface).collect();
         for (centre, radius, axes, mut surface, emits) in spheres {
             // Each emitting sphere has a density of its own, which its surface holds.
-            if emits && self.emitters.iter().any(|(_, other)| *other == surface) {
+            if emits && !lit_surfaces.insert(surface) {
                 self.surfaces.push(self.surfaces[surface]);
                 surface = self.surfaces.len() - 1;
             }
@@ -126,18 +140,16 @@ impl Flat {
             self.corners.push(Corners { i0: NONE, i1: NONE, i2: NONE });
             if emits {
                 let radiance = self.surfaces[surface].emission;
-                self.emitters.push((
-                    Light {
-                        kind: LIGHT_SPHERE,
-                        position: centre.into(),
-                        v1,
-                        v2,
-                        radiance,
-                        source: surface as u32,
-                        ..Light::default()
-                    },
-                    surface,
-                ));
+                let light = Light {
+                    kind: LIGHT_SPHERE,
+                    position: centre.into(),
+                    v1,
+                    v2,
+                    radiance,
+                    source: surface as u32,
+                    ..Light::default()
+                };
+                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
             }
         }
         Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
@@ -288,7 +300,7 @@ impl Flat {
                     corners: if flags & UV_BIT != 0 { triangle.map(corner) } else { [NONE; 3] },
                     ..Light::default()
                 };
-                self.emitters.push((light, surface));
+                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
             }
         }
         Ok(())

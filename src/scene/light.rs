@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::alias::alias_table;
 use crate::layout::{
     LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE,
 };
@@ -144,13 +143,4 @@ pub(crate) fn power(light: &Light, scene_radius: f64) -> f64 {
 pub(crate) fn triangle_area(light: &Light) -> f64 {
     let [v0, v1, v2] = [light.position, light.v1, light.v2].map(|v| Vec3::from(v).as_dvec3());
     0.5 * (v1 - v0).cross(v2 - v0).length()
-}
-
-/// Fills in the probability and the alias table of every entry. Weights of zero leave an entry out.
-pub(crate) fn fill_alias_table(lights: &mut [Light], weights: &[f64], total_probability: f64) {
-    let sum: f64 = weights.iter().sum();
-    for ((light, weight), (keep, alias)) in lights.iter_mut().zip(weights).zip(alias_table(weights)) {
-        light.probability = (weight / sum * total_probability) as f32;
-        (light.keep, light.alias) = (keep, alias);
-    }
 }

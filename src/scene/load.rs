@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Scene, SceneBuilder, gltf, mitsuba, obj, ply};
+use super::{LightSelection, Scene, SceneBuilder, gltf, mitsuba, obj, ply};
 use crate::error::{Error, Result};
 
 /// How a scene is to be read.
@@ -10,6 +10,8 @@ use crate::error::{Error, Result};
 pub struct LoadOptions {
     /// Parameters of a Mitsuba scene, `-D name=value`.
     pub defines: Vec<(String, String)>,
+    /// How its lights are selected.
+    pub lights: LightSelection,
 }
 
 /// Reads a scene; the extension says which format it is in.
@@ -20,23 +22,25 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     {
         return Err(Error::Usage(format!("-D {name}: only Mitsuba scenes (.xml) have parameters")));
     }
-    match extension.as_str() {
-        "xml" => mitsuba::load(path, &options.defines),
-        "gltf" | "glb" => gltf::load(path),
-        "obj" => obj::load(path),
+    let mut builder = match extension.as_str() {
+        "xml" => mitsuba::load(path, &options.defines)?,
+        "gltf" | "glb" => gltf::load(path)?,
+        "obj" => obj::load(path)?,
         "ply" => {
             let mut builder = SceneBuilder::new(path);
             let surface = builder.matte([0.5; 3]);
             let mesh = ply::read(path)?;
             builder.mesh(super::builder::WORLD, &path.display().to_string(), mesh, glam::DAffine3::IDENTITY, surface);
-            builder.finish()
+            builder
         }
         _ => {
             std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-            Err(Error::Usage(format!(
+            return Err(Error::Usage(format!(
                 "{}: a scene is a file with the extension .xml (Mitsuba 3), .gltf, .glb, .obj or .ply",
                 path.display()
-            )))
+            )));
         }
-    }
+    };
+    builder.light_selection = options.lights;
+    builder.finish()
 }

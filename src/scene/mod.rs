@@ -12,6 +12,8 @@ mod flatten;
 pub mod gltf;
 pub mod image_file;
 pub mod light;
+mod light_table;
+mod light_tree;
 pub mod load;
 pub mod material;
 mod mesh;
@@ -29,11 +31,12 @@ pub mod texture;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 
 pub use builder::{Mask, SceneBuilder, Side, SurfaceDescription};
 pub use camera::Camera;
 pub use filter::Filter;
+pub use light_table::LightSelection;
 pub use load::{LoadOptions, load};
 pub use mesh::Mesh;
 pub use needs::Needs;
@@ -41,8 +44,8 @@ pub use needs::Needs;
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::layout::{
-    AliasEntry, Blend, Corners, Layered, Light, Material, MaterialTextures, Plastic, Primitive, Principled, Surface,
-    Texture,
+    AliasEntry, Blend, Corners, Layered, Light, LightNode, Material, MaterialTextures, Plastic, Primitive, Principled,
+    Surface, Texture,
 };
 
 /// A scene, ready to be uploaded.
@@ -88,8 +91,14 @@ pub struct Scene {
     pub images: Vec<texture::TextureImage>,
     /// Tables of floats; where anything is textured, the first 256 decode 8-bit sRGB.
     pub tables: Vec<f32>,
-    /// The light table, with the probability of selecting each entry.
+    /// The lights, with the probability of selecting each of those in the table. They come first.
     pub lights: Vec<Light>,
+    /// How many are selected from the alias table; the others are selected from the tree.
+    pub table_lights: u32,
+    /// Probability of selecting one from the table, where the background was not selected.
+    pub table_probability: f32,
+    /// The tree that the other lights are selected from.
+    pub light_tree: LightTree,
     /// Radiance of the background, if it emits.
     pub background: Option<[f32; 3]>,
     /// The image that the background shows.
@@ -119,6 +128,17 @@ pub struct Environment {
     pub table: Vec<AliasEntry>,
     /// Cells across and down.
     pub cells: [u32; 2],
+}
+
+/// A tree over lights; empty where all are selected from the table.
+#[derive(Clone, Debug, Default)]
+pub struct LightTree {
+    /// The nodes, the root first; children lie side by side.
+    pub nodes: Vec<LightNode>,
+    /// Where their coordinates have their origin ...
+    pub origin: Vec3,
+    /// ... and by what they are multiplied.
+    pub scale: f32,
 }
 
 /// A run of primitives that are placed together.

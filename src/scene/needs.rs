@@ -69,6 +69,8 @@ pub struct Needs {
     pub lights: [bool; LIGHT_KINDS as usize],
     /// Emitting triangles that are large beside the scene, so that some of it is close to them.
     pub large_lights: bool,
+    /// Lights that are selected from a tree.
+    pub light_tree: bool,
     /// Textures or masks on what emits.
     pub textured_lights: bool,
     /// Point-like lights that shine through a texture.
@@ -139,6 +141,7 @@ impl Needs {
             absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
             lights,
             large_lights: scene.lights.iter().any(|light| is_large(light, scene)),
+            light_tree: !scene.light_tree.nodes.is_empty(),
             textured_lights,
             projectors,
             background: scene.background.is_some(),
@@ -167,6 +170,7 @@ impl Needs {
             absorption: true,
             lights: [true; LIGHT_KINDS as usize],
             large_lights: Self::of(scene).large_lights,
+            light_tree: Self::of(scene).light_tree,
             textured_lights: true,
             projectors: true,
             background: true,
@@ -209,6 +213,7 @@ impl Needs {
         special.spot_lights = light(LIGHT_SPOT);
         special.directional_lights = light(LIGHT_DIRECTIONAL);
         special.large_lights = self.large_lights;
+        special.light_tree = self.light_tree;
         special.textured_lights = self.textured_lights;
         special.projectors = self.projectors || light(LIGHT_PROJECTOR);
         special.background = self.background;
@@ -234,6 +239,7 @@ impl Needs {
             (self.beckmann, "Beckmann microfacets"),
             (self.absorption, "absorption"),
             (self.large_lights, "large lights"),
+            (self.light_tree, "light tree"),
             (self.textured_lights, "textured lights"),
             (self.background, "background"),
             (self.environment, "environment image"),

@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use tobj::LoadError;
 
 use super::builder::{SceneBuilder, SurfaceDescription, WORLD};
-use super::{Mesh, Scene, material};
+use super::{Mesh, material};
 use crate::error::{Error, Result};
 use crate::layout::Material;
 
@@ -29,8 +29,9 @@ pub(super) fn read_geometry(path: &Path) -> Result<Mesh> {
     }
 }
 
-/// Reads a scene: each group with its material. `Ke` makes an area light, a missing MTL file a warning and grey.
-pub fn load(path: &Path) -> Result<Scene> {
+/// Reads a scene: each group with its material. `Ke` makes an area light, a missing MTL file a warning and grey. What is
+/// left is what [`SceneBuilder::finish`] does.
+pub fn load(path: &Path) -> Result<SceneBuilder> {
     let missing: Cell<Option<(PathBuf, LoadError)>> = Cell::new(None);
     let (models, materials) = read(path, Lines::open(path, &[])?, |name| {
         let library = path.parent().unwrap_or(Path::new("")).join(name);
@@ -74,7 +75,7 @@ pub fn load(path: &Path) -> Result<Scene> {
         let mesh = to_mesh(model.mesh).with_flipped_v(true);
         builder.mesh(WORLD, &model.name, mesh, DAffine3::IDENTITY, surface);
     }
-    builder.finish()
+    Ok(builder)
 }
 
 /// What an MTL entry stands for: `illum` 3 and 5 are mirrors, 4, 6, 7 and 9 glass, everything else is diffuse.

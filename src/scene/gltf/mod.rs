@@ -18,11 +18,11 @@ mod uri;
 
 use std::path::Path;
 
-use super::{Scene, SceneBuilder};
+use super::SceneBuilder;
 use crate::error::Result;
 
-/// Reads a scene: the file's default scene, or its first one.
-pub fn load(path: &Path) -> Result<Scene> {
+/// Reads the file's default scene, or its first one, up to what [`SceneBuilder::finish`] does.
+pub fn load(path: &Path) -> Result<SceneBuilder> {
     let document = document::Document::read(path)?;
     let buffers = buffers::Buffers::read(&document)?;
     let mut builder = SceneBuilder::new(path);
@@ -33,5 +33,5 @@ pub fn load(path: &Path) -> Result<Scene> {
     lights::load(&document, &placements, &mut builder)?;
     cameras::load(&document, &placements, &mut builder)?;
     nodes::load_meshes(&document, &buffers, &placements, &mut builder)?;
-    builder.finish()
+    Ok(builder)
 }

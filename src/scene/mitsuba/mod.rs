@@ -21,15 +21,14 @@ use std::rc::Rc;
 use super::builder::SceneBuilder;
 use super::image_file::Encoding;
 use crate::error::{Error, Result};
-use crate::scene::Scene;
 use bsdf::Sides;
 use object::Object;
 
 /// Parameters of the scene that the caller sets: `-D name=value`.
 pub type Defines = [(String, String)];
 
-/// Reads a scene file.
-pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
+/// Reads a scene file, up to what [`SceneBuilder::finish`] does.
+pub fn load(path: &Path, defines: &Defines) -> Result<SceneBuilder> {
     let root = document::read(path, defines)?;
     if root.tag != "scene" {
         return Err(Error::scene_line(
@@ -51,7 +50,7 @@ pub fn load(path: &Path, defines: &Defines) -> Result<Scene> {
     }
     scene.finish()?;
     loader.builder.warnings.extend(scene.take_warnings());
-    loader.builder.finish()
+    Ok(loader.builder)
 }
 
 /// What has been made so far; objects that several places refer to are made once.

@@ -1,0 +1,101 @@
+// Choosing one of many lights by what it can bring to a point: a descent through a tree of bounds on their places, directions
+// and intensities (Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"). Which
+// nodes there are, and why their bounds are safe, says src/scene/light_tree.rs.
+
+// What receives light: a point, and the normal of the side that can.
+struct Receiver {
+    vec3 position;
+    vec3 normal; // unit, of the shading frame; zero where light may come from anywhere
+    bool both;   // light from the other side counts as well
+};
+
+// Bounds are packed and roundings differ: lights count as dark only beyond this much of a cosine.
+const float DARK = 2e-3;
+// The least factor for the cosine at the receiver: narrow lobes return more of grazing light than the cosine says.
+const float LEAST_COSINE = 0.05;
+
+LightNode load_light_node(uint index) {
+    if (!WIDE_LOADS) return LightNodes(scene.light_tree).at[index];
+    Words64 words = Words64(scene.light_tree);
+    uvec2 w0 = unpack32(words.at[4u * index]);
+    uvec2 w1 = unpack32(words.at[4u * index + 1u]);
+    uvec2 w2 = unpack32(words.at[4u * index + 2u]);
+    uvec2 w3 = unpack32(words.at[4u * index + 3u]);
+    return LightNode(uintBitsToFloat(uvec3(w0, w1.x)), uintBitsToFloat(w1.y), w2.x, w2.y, uintBitsToFloat(w3.x), w3.y);
+}
+
+// A bound on cos(max(0, a - b)) from the cosine of a and the sine of b <= pi/2, without another root: where cos a >= 0, cos(b) <= 1
+// and sin(a) <= 1; elsewhere also cos(b) >= 1 - sin^2(b).
+float cosine_less(float cos_a, float sin_b) {
+    return min(1.0, (cos_a < 0.0 ? cos_a * (1.0 - sin_b * sin_b) : cos_a) + sin_b);
+}
+
+// Bound on the irradiance that the lights of a node bring to the receiver, but for a factor that all nodes share
+// (Conty Estevez and Kulla 2018, equation 3, with cosine_less in place of exact angles); `p` is the receiver in the tree's coordinates.
+float light_importance(LightNode node, Receiver r, vec3 p) {
+    vec3 d = node.centre - p;
+    float distance2 = max(max(dot(d, d), node.radius * node.radius), 1e-30);
+    float inverse = inversesqrt(distance2);
+    float seen = min(1.0, node.radius * inverse); // sine of half the angle under which the lights are seen
+
+    // The axis lies on an octahedron; its length is made up for together with that of d.
+    int bits = int(node.axis);
+    vec2 folded = vec2(bits << 20 >> 20, bits << 8 >> 20) * (1.0 / 2047.0);
+    float spread = float(bits >> 24) * (1.0 / 127.0);
+    float z = 1.0 - abs(folded.x) - abs(folded.y);
+    float fold = max(-z, 0.0);
+    vec3 axis = vec3(folded.x + (folded.x < 0.0 ? fold : -fold), folded.y + (folded.y < 0.0 ? fold : -fold), z);
+    float off_axis = clamp(-dot(axis, d) * inversesqrt(dot(axis, axis) * distance2), -1.0, 1.0);
+    vec2 facing = unpackSnorm2x16(node.facing); // cosine and sine of the cone's half angle
+    float off_cone = off_axis >= facing.x ? 1.0 : off_axis * facing.x + sqrt(1.0 - off_axis * off_axis) * facing.y;
+    float shed = cosine_less(off_cone, seen);
+
+    float cosine = dot(r.normal, d) * inverse;
+    float received = r.normal == vec3(0.0) ? 1.0 : cosine_less(r.both ? abs(cosine) : cosine, seen);
+    bool dark = shed < spread - DARK || received < -DARK;
+    return dark ? 0.0 : node.intensity * inverse * inverse * max(shed, DARK) * max(received, LEAST_COSINE);
+}
+
+vec3 light_tree_position(Receiver r) { return (r.position - scene.light_tree_origin) * scene.light_tree_scale; }
+
+// Share of the importance that the second of two nodes has; negative where neither has any.
+float second_share(LightNode a, LightNode b, Receiver r, vec3 p) {
+    float first = light_importance(a, r, p);
+    float second = light_importance(b, r, p);
+    return first + second > 0.0 ? second / (first + second) : -1.0;
+}
+
+// A light of the tree by u, and its probability; 0 where no light can shed anything on the receiver.
+uint light_tree_sample(Receiver r, vec2 u, out float probability) {
+    vec3 p = light_tree_position(r);
+    probability = 1.0;
+    uint link = load_light_node(0u).link;
+    while ((link & LIGHT_LEAF_BIT) == 0u && probability > 0.0) {
+        LightNode a = load_light_node(link), b = load_light_node(link + 1u);
+        float share = second_share(a, b, r, p);
+        bool second = u.x < share;
+        // What is left of the number is uniform again. Both numbers take turns, for each has only 24 bits to give.
+        float chance = share < 0.0 ? 0.0 : (second ? share : 1.0 - share);
+        float rest = second ? u.x / share : (u.x - max(share, 0.0)) / max(chance, 1e-30);
+        u = vec2(u.y, min(rest, 0.99999994));
+        probability *= chance;
+        link = second ? b.link : a.link;
+    }
+    return link & ~LIGHT_LEAF_BIT;
+}
+
+// The probability of choosing the light at the end of a trail.
+float light_tree_probability(Receiver r, uint trail) {
+    vec3 p = light_tree_position(r);
+    float probability = 1.0;
+    uint link = load_light_node(0u).link;
+    while ((link & LIGHT_LEAF_BIT) == 0u && probability > 0.0) {
+        LightNode a = load_light_node(link), b = load_light_node(link + 1u);
+        float share = second_share(a, b, r, p);
+        bool second = (trail & 1u) != 0u;
+        trail >>= 1u;
+        probability *= share < 0.0 ? 0.0 : (second ? share : 1.0 - share);
+        link = second ? b.link : a.link;
+    }
+    return probability;
+}
