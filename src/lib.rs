@@ -37,6 +37,7 @@
 //! ```
 
 pub mod backend;
+pub mod bench;
 pub mod bvh;
 pub mod error;
 pub mod film;

@@ -1,0 +1,201 @@
+//! Statistics of a bench: means over few independent runs, with intervals that say how sure they are.
+
+use serde::{Deserialize, Serialize};
+
+use crate::film::Image;
+
+/// Confidence of the intervals that are reported.
+pub const CONFIDENCE: f64 = 0.95;
+/// Level of the tests that say "significant": so strict that an A/A comparison seldom does.
+pub const SIGNIFICANCE: f64 = 0.01;
+/// What relMSE adds to the reference's square.
+const RELATIVE_FLOOR: f64 = 1e-2;
+
+/// A mean with its confidence interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// The estimate.
+    pub mean: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Interval {
+    /// The mean of independent values with Student's interval around it. Of one value there is no interval: both ends are it.
+    pub fn of(values: &[f64]) -> Self {
+        Self::with_confidence(values, CONFIDENCE)
+    }
+
+    /// The same with a confidence of the caller's.
+    pub fn with_confidence(values: &[f64], confidence: f64) -> Self {
+        let n = values.len();
+        let mean = values.iter().sum::<f64>() / n.max(1) as f64;
+        if n < 2 {
+            return Self { mean, low: mean, high: mean };
+        }
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
+        let reach = student_quantile(0.5 + 0.5 * confidence, (n - 1) as u32) * (variance / n as f64).sqrt();
+        Self { mean, low: mean - reach, high: mean + reach }
+    }
+
+    /// The geometric mean of positive values with its interval: what ratios and efficiencies are averaged by.
+    pub fn geometric(values: &[f64]) -> Self {
+        Self::geometric_with(values, CONFIDENCE)
+    }
+
+    /// The same with a confidence of the caller's.
+    pub fn geometric_with(values: &[f64], confidence: f64) -> Self {
+        let logs: Vec<f64> = values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).collect();
+        let Self { mean, low, high } = Self::with_confidence(&logs, confidence);
+        Self { mean: mean.exp(), low: low.exp(), high: high.exp() }
+    }
+
+    /// Whether a value lies within.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+/// Quantile of Student's t distribution with `freedom` degrees of freedom (at least 1), by bisection of its distribution
+/// function, which is exact for whole degrees (Abramowitz and Stegun 1964, 26.7.3 and 26.7.4).
+pub fn student_quantile(p: f64, freedom: u32) -> f64 {
+    if p < 0.5 {
+        return -student_quantile(1.0 - p, freedom);
+    }
+    let (mut low, mut high) = (0.0, 2.0);
+    while student_below(high, freedom) < p && high < 1e12 {
+        high *= 2.0;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if student_below(middle, freedom) < p { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// Probability that a t-distributed variable lies below t >= 0.
+fn student_below(t: f64, freedom: u32) -> f64 {
+    let n = f64::from(freedom);
+    let theta = (t / n.sqrt()).atan();
+    let cos2 = theta.cos().powi(2);
+    // Probability of |variable| < t.
+    let within = if freedom % 2 == 1 {
+        let (mut term, mut sum) = (theta.cos(), 0.0);
+        let mut k = 1;
+        while k < freedom {
+            sum += term;
+            k += 2;
+            term *= cos2 * f64::from(k - 1) / f64::from(k);
+        }
+        2.0 / std::f64::consts::PI * (theta + theta.sin() * sum)
+    } else {
+        let (mut term, mut sum) = (1.0, 0.0);
+        let mut k = 0;
+        while k < freedom {
+            sum += term;
+            k += 2;
+            term *= cos2 * f64::from(k - 1) / f64::from(k);
+        }
+        theta.sin() * sum
+    };
+    0.5 + 0.5 * within
+}
+
+/// The slope of log y over log x by least squares; nothing below two points with positive values.
+pub fn log_slope(points: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    let logs: Vec<(f64, f64)> = points.filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
+    let n = logs.len() as f64;
+    let (mx, my) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let spread: f64 = logs.iter().map(|(x, _)| (x - mx).powi(2)).sum();
+    (logs.len() >= 2 && spread > 0.0).then(|| logs.iter().map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / spread)
+}
+
+/// What `y` is at `x` on the way from point to point, straight in logarithms; nothing outside of the points.
+pub fn log_interpolate(points: &[(f64, f64)], x: f64) -> Option<f64> {
+    points.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&x)).map(|pair| {
+        let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+        if x1 <= x0 || y0 <= 0.0 || y1 <= 0.0 {
+            return y1;
+        }
+        let t = (x / x0).ln() / (x1 / x0).ln();
+        (y0.ln() * (1.0 - t) + y1.ln() * t).exp()
+    })
+}
+
+/// An estimate of what more samples do not take away, with its deviation if there were nothing of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SquaredBias {
+    /// Squared bias over (b² + 0.01), mean over pixels and channels: a relMSE. Unbiased, so noise can make it negative.
+    pub relative: f64,
+    /// Standard deviation of that where there is no bias.
+    pub deviation: f64,
+}
+
+/// The squared bias of independent images of one expectation, against a reference `b` of known variance.
+///
+/// For two of them, (a1 - b)(a2 - b) has the expectation bias² + variance of b: their own noise drops out. This averages over
+/// all pairs (a U-statistic, Hoeffding 1948) and takes the reference's variance off. Its variance without bias follows from the
+/// images' own: 2 v² / (n (n - 1)) + 4 v w / n + 2 w² for variances v of an image and w of the reference; channels of a pixel
+/// are taken as fully correlated, pixels as independent.
+pub fn squared_bias(images: &[Image], reference: &Image, reference_variance: Option<&Image>) -> SquaredBias {
+    let n = images.len() as f64;
+    if images.len() < 2 {
+        return SquaredBias::default();
+    }
+    let (mut sum, mut variance) = (0.0, 0.0);
+    for pixel in 0..reference.pixels.len() {
+        let mut deviation = 0.0;
+        for channel in 0..3 {
+            let b = f64::from(reference.pixels[pixel][channel]);
+            let w = reference_variance.map_or(0.0, |image| f64::from(image.pixels[pixel][channel]));
+            let (mut total, mut squares) = (0.0, 0.0);
+            for image in images {
+                let d = f64::from(image.pixels[pixel][channel]) - b;
+                total += d;
+                squares += d * d;
+            }
+            let scale = 1.0 / (b * b + RELATIVE_FLOOR);
+            let v = ((squares - total * total / n) / (n - 1.0)).max(0.0);
+            sum += scale * ((total * total - squares) / (n * (n - 1.0)) - w);
+            deviation += scale * (2.0 * v * v / (n * (n - 1.0)) + 4.0 * v * w / n + 2.0 * w * w).sqrt();
+        }
+        variance += deviation * deviation;
+    }
+    let count = (3 * reference.pixels.len()).max(1) as f64;
+    SquaredBias { relative: sum / count, deviation: variance.sqrt() / count }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_student() {
+        // Abramowitz and Stegun 1964, table 26.10.
+        for (p, freedom, t) in [
+            (0.975, 1, 12.706),
+            (0.975, 2, 4.303),
+            (0.975, 3, 3.182),
+            (0.975, 4, 2.776),
+            (0.975, 9, 2.262),
+            (0.995, 4, 4.604),
+            (0.995, 30, 2.750),
+            (0.95, 120, 1.658),
+        ] {
+            let found = student_quantile(p, freedom);
+            assert!((found - t).abs() < 6e-4, "t({p}, {freedom}) is {t}, not {found}");
+            assert!((student_quantile(1.0 - p, freedom) + found).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn slopes_and_interpolation() {
+        let curve = [(1.0, 8.0), (2.0, 4.0), (4.0, 2.0)];
+        assert!((log_slope(curve.into_iter()).unwrap() + 1.0).abs() < 1e-12);
+        assert!(log_slope([(1.0, 2.0)].into_iter()).is_none());
+        assert!((log_interpolate(&curve, 3.0).unwrap() - 8.0 / 3.0).abs() < 1e-12);
+        assert!(log_interpolate(&curve, 5.0).is_none());
+    }
+}
