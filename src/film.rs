@@ -115,6 +115,18 @@ impl Film {
         })
     }
 
+    /// The relMSE that the variance of the samples lets expect: the mean over pixels and channels of the mean's variance over
+    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown.
+    pub fn estimated_relmse(&self) -> Option<f64> {
+        if self.spp() < 2 {
+            return None;
+        }
+        let (mean, variance) = (self.mean(), self.mean_variance());
+        let terms = mean.pixels.iter().flatten().zip(variance.pixels.iter().flatten());
+        let sum: f64 = terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + 1e-2)).sum();
+        Some(sum / (3 * mean.pixels.len().max(1)) as f64)
+    }
+
     /// The fewest samples that any pixel has.
     pub fn spp(&self) -> u64 {
         self.counts.iter().copied().min().unwrap_or(0)

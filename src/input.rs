@@ -58,6 +58,30 @@ fn read_exr(path: &Path) -> Result<Image> {
     Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
 }
 
+/// The layer `name` of an EXR file: its channels `name.R`, `name.G` and `name.B`. Nothing where it has none, or in another format.
+pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
+    if format_of(path)? != Format::Exr {
+        return Ok(None);
+    }
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .map_err(|error| Error::read(path, error))?;
+    let (size, channels) = (image.layer_data.size, &image.layer_data.channel_data.list);
+    let channel = |letter: &str| {
+        let wanted = format!("{name}.{letter}");
+        channels.iter().find(|channel| channel.name.to_string() == wanted)
+    };
+    let (Some(r), Some(g), Some(b)) = (channel("R"), channel("G"), channel("B")) else { return Ok(None) };
+    let values = [r, g, b].map(|channel| channel.sample_data.values_as_f32().collect::<Vec<f32>>());
+    let pixels = (0..size.area()).map(|pixel| [values[0][pixel], values[1][pixel], values[2][pixel]]).collect();
+    Ok(Some(Image { width: size.width() as u32, height: size.height() as u32, pixels }))
+}
+
 fn read_png(path: &Path) -> Result<Image> {
     let image = image::ImageReader::open(path)
         .map_err(|error| Error::read(path, error))?

@@ -1,4 +1,18 @@
 //! Speed against error: which technique and backend reaches which error in which time, and how sure that is.
+//!
+//! [`run`] measures every [`Subject`] of a scene with several seeds, in turn, and keeps each run as a file so that an
+//! interrupted bench goes on where it stopped; [`summary`] makes [`results::Results`] of the runs.
 
+mod measure;
+pub mod reference;
 pub mod results;
+mod rows;
+pub mod run;
 pub mod stats;
+pub mod subject;
+mod summary;
+
+pub use measure::Truth;
+pub use run::{Bench, Limits, Variant};
+pub use subject::{Lumbre, Snapshot, Stop, Subject};
+pub use summary::Summary;

@@ -127,6 +127,9 @@ pub struct VariantResults {
     pub floor: Floor,
     /// Mean of the image over that of the reference.
     pub energy_ratio: Interval,
+    /// The renderer's own estimate of its relMSE over the true one, at the end of the runs; nothing where it makes none.
+    #[serde(default)]
+    pub estimate_ratio: Option<Interval>,
     /// Pixel samples per second of rendering.
     pub samples_per_s: Interval,
     /// Rays per second of rendering; nothing where the renderer does not count them.
@@ -210,6 +213,9 @@ pub struct Point {
     pub flip: f64,
     /// Mean of the image over that of the reference.
     pub energy_ratio: f64,
+    /// The renderer's own estimate of its relMSE, from the variance of its samples.
+    #[serde(default)]
+    pub estimated_relmse: Option<f64>,
 }
 
 /// One variant against the scene's first, run by run with the same seeds.

@@ -8,6 +8,8 @@ use crate::film::Image;
 pub const CONFIDENCE: f64 = 0.95;
 /// Level of the tests that say "significant": so strict that an A/A comparison seldom does.
 pub const SIGNIFICANCE: f64 = 0.01;
+/// Deviations of a normal variable within which it lies with [`CONFIDENCE`].
+const NORMAL_REACH: f64 = 1.959_964;
 /// What relMSE adds to the reference's square.
 const RELATIVE_FLOOR: f64 = 1e-2;
 
@@ -50,6 +52,13 @@ impl Interval {
         let logs: Vec<f64> = values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).collect();
         let Self { mean, low, high } = Self::with_confidence(&logs, confidence);
         Self { mean: mean.exp(), low: low.exp(), high: high.exp() }
+    }
+
+    /// The interval once an independent normal error of this standard deviation, which all values share, is added.
+    #[must_use]
+    pub fn widened(self, deviation: f64) -> Self {
+        let reach = |end: f64| (end - self.mean).hypot(NORMAL_REACH * deviation);
+        Self { mean: self.mean, low: self.mean - reach(self.low), high: self.mean + reach(self.high) }
     }
 
     /// Whether a value lies within.

@@ -15,5 +15,5 @@ pub use buffer::Buffer;
 pub use device::{Gpu, Limits};
 pub use frame::{Commands, Work};
 pub use instance::Instance;
-pub use pipeline::{Bindings, Pipeline, module};
+pub use pipeline::{Bindings, Pipeline, module, modules_fingerprint};
 pub use survey::{DeviceKind, Survey};

@@ -1,5 +1,7 @@
 //! Compute pipelines: a compiled module, its specialisation, and the one descriptor set that it reads.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use ash::vk;
 
 use super::accel::Tlas;
@@ -19,6 +21,13 @@ pub fn module(name: &str) -> Result<&'static [u8]> {
     found
         .map(|(_, spirv)| *spirv)
         .ok_or_else(|| Error::Usage(format!("no shader '{name}' was compiled into this program")))
+}
+
+/// A number that stands for all compiled modules: it changes with any shader.
+pub fn modules_fingerprint() -> u64 {
+    let mut hasher = DefaultHasher::new();
+    generated::MODULES.hash(&mut hasher);
+    hasher.finish()
 }
 
 /// A compute pipeline. Freed when dropped.

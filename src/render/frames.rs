@@ -42,6 +42,11 @@ impl FramePlan {
         Self { width, height, slots, max_slots, done: 0, cursor: 0, pass: 0, capacity: FIRST }
     }
 
+    /// The same plan at its beginning; what it knows of the speed stays.
+    pub fn restarted(&self) -> Self {
+        Self { done: 0, cursor: 0, pass: 0, ..self.clone() }
+    }
+
     /// The next frame, or nothing once all slots have `target` samples.
     pub fn next(&self, target: u32) -> Option<Frame> {
         if self.cursor == 0 && self.done >= target {

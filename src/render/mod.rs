@@ -24,6 +24,8 @@ use frames::FramePlan;
 use kernel::Kernel;
 pub use upload::Uploaded;
 
+pub use crate::gpu::modules_fingerprint as kernels_fingerprint;
+
 /// Seconds that the parts of a rendering took.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Seconds {
@@ -87,6 +89,18 @@ impl Renderer {
         self.seconds.render += wall.as_secs_f64();
         self.seconds.device += device.as_secs_f64();
         Ok(self.plan.next(target).is_some())
+    }
+
+    /// Forgets all samples and begins again with another seed; kernels and scene stay.
+    pub fn restart(&mut self, seed: u32) -> Result<()> {
+        self.settings.seed = seed;
+        self.film.clear()?;
+        self.layers.clear()?;
+        self.plan = self.plan.restarted();
+        (self.seconds.render, self.seconds.device) = (0.0, 0.0);
+        (self.rays, self.nonfinite) = (0, 0);
+        self.bad_samples.clear();
+        Ok(())
     }
 
     /// Samples that every pixel has.

@@ -8,6 +8,7 @@ mod builder;
 pub mod camera;
 mod environment;
 pub mod filter;
+mod fingerprint;
 mod flatten;
 pub mod gltf;
 pub mod image_file;

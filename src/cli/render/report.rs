@@ -139,8 +139,7 @@ pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], i
     ));
     print(&format!("speed      {:.3} Msamples/s, {:.2} Mrays/s", report.samples_per_s / 1e6, report.mrays_per_s));
     let [r, g, b] = report.mean;
-    let error =
-        if report.spp < 2 { String::from("unknown from one sample") } else { format!("{:.3}", relative_error(film)) };
+    let error = film.estimated_relmse().map_or(String::from("unknown from one sample"), |e| format!("{:.3}", e.sqrt()));
     print(&format!("mean       {r:.6} {g:.6} {b:.6}, relative standard error of a pixel {error}"));
     if report.nonfinite > 0 {
         let first = report
@@ -154,12 +153,4 @@ pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], i
     }
     let written: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
     print(&format!("wrote      {}", written.join(", ")));
-}
-
-/// The root of the mean over pixels of the mean's variance over its square, as the film estimates it.
-fn relative_error(film: &Film) -> f64 {
-    let (mean, variance) = (film.mean(), film.mean_variance());
-    let terms = mean.pixels.iter().flatten().zip(variance.pixels.iter().flatten());
-    let sum: f64 = terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + 1e-2)).sum();
-    (sum / (3 * mean.pixels.len().max(1)) as f64).sqrt()
 }

@@ -1,0 +1,139 @@
+//! From runs to figures: means over seeds with their intervals.
+
+use super::results::Row;
+use super::results::{CurvePoint, Floor, Pair, Point, Run, VariantResults};
+use super::run::{Bench, Event, Variant};
+use super::stats::{Interval, SIGNIFICANCE, log_slope, squared_bias};
+use crate::error::Result;
+use crate::film::Image;
+
+/// Deviations by which a squared bias must exceed zero to be called one.
+const FLOOR_DEVIATIONS: f64 = 4.0;
+/// The least relMSE that an efficiency is computed with: below it the reference's own noise is all that is left.
+const LEAST_ERROR: f64 = 1e-12;
+
+/// The figures of one scene.
+pub struct Summary {
+    /// One entry per variant.
+    pub variants: Vec<VariantResults>,
+    /// Each variant against the first one.
+    pub pairs: Vec<Pair>,
+    /// All variants after the same time.
+    pub equal_time: Option<Row>,
+    /// All variants at the same number of samples.
+    pub equal_spp: Option<Row>,
+}
+
+impl Bench<'_> {
+    /// Runs the scene and sums it up.
+    pub fn results(&self, variants: &mut [Variant], mut hear: impl FnMut(Event) -> Result<()>) -> Result<Summary> {
+        let runs = self.run(variants, &mut hear)?;
+        let mut all = Vec::new();
+        for (variant, runs) in variants.iter().zip(&runs) {
+            let images: Vec<Image> = runs.iter().map(|run| self.image(run)).collect::<Result<_>>()?;
+            let bias = squared_bias(&images, &self.truth.image, self.truth.variance.as_ref());
+            let floor = Floor {
+                relmse: bias.relative,
+                deviation: bias.deviation,
+                flagged: images.len() > 1 && bias.relative > FLOOR_DEVIATIONS * bias.deviation,
+            };
+            let pixels = self.truth.image.pixels.len() as f64;
+            all.push(figures(variant, runs, floor, pixels, self.truth.deviations()));
+        }
+        hear(Event::Rows)?;
+        let (equal_time, equal_spp) = self.rows(variants, &runs)?;
+        let pairs = all.iter().skip(1).map(|variant| pair(variant, &all[0])).collect();
+        Ok(Summary { variants: all, pairs, equal_time, equal_spp })
+    }
+}
+
+fn last_points(runs: &[Run]) -> Vec<&Point> {
+    runs.iter().filter_map(|run| run.points.last()).collect()
+}
+
+fn efficiency(point: &Point) -> f64 {
+    1.0 / (point.relmse.max(LEAST_ERROR) * point.seconds.max(1e-9))
+}
+
+fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [f64; 2]) -> VariantResults {
+    let last = last_points(runs);
+    let over = |value: &dyn Fn(&Point) -> f64| last.iter().map(|point| value(point)).collect::<Vec<f64>>();
+    let slopes: Vec<f64> = runs.iter().filter_map(slope).collect();
+    let rays: Option<Vec<f64>> =
+        runs.iter().zip(&last).map(|(run, point)| run.rays.map(|rays| rays as f64 / point.seconds.max(1e-9))).collect();
+    let estimates: Option<Vec<f64>> =
+        last.iter().map(|point| point.estimated_relmse.map(|own| own / point.relmse.max(LEAST_ERROR))).collect();
+    let subject = &variant.subject;
+    VariantResults {
+        name: variant.name.clone(),
+        renderer: subject.renderer(),
+        technique: variant.technique.clone(),
+        backend: variant.backend.clone(),
+        options: variant.options.clone(),
+        bias: variant.bias.clone(),
+        notes: subject.notes(),
+        setup: subject.setup(),
+        device_bytes: subject.device_bytes(),
+        curve: curve(runs, shared),
+        efficiency: Interval::geometric(&over(&efficiency)),
+        slope: Interval::of(&slopes),
+        floor,
+        energy_ratio: Interval::of(&over(&|point| point.energy_ratio)),
+        estimate_ratio: estimates.map(|values| Interval::geometric(&values)),
+        samples_per_s: Interval::geometric(&over(&|point| point.spp as f64 * pixels / point.seconds.max(1e-9))),
+        rays_per_s: rays.map(|values| Interval::geometric(&values)),
+        runs: runs.to_vec(),
+    }
+}
+
+/// The slope of a run's log error over log time, over the later half of its octaves: the first frames are overhead.
+fn slope(run: &Run) -> Option<f64> {
+    let end = run.points.last()?.spp as f64;
+    let late = run.points.iter().filter(|point| point.spp as f64 >= end.sqrt());
+    log_slope(late.map(|point| (point.seconds, point.relmse)))
+}
+
+/// Means over the seeds, at each number of samples that all runs were looked at, and at their ends.
+fn curve(runs: &[Run], shared: [f64; 2]) -> Vec<CurvePoint> {
+    let Some(first) = runs.first() else { return Vec::new() };
+    let on_the_way = |run: &Run| run.points.len().saturating_sub(1);
+    let mut columns: Vec<Vec<&Point>> = (0..on_the_way(first))
+        .filter_map(|index| {
+            let spp = first.points[index].spp;
+            runs.iter().map(|run| run.points[..on_the_way(run)].iter().find(|point| point.spp == spp)).collect()
+        })
+        .collect();
+    columns.push(last_points(runs));
+    columns.iter().filter(|column| !column.is_empty()).map(|column| mean_point(column, shared)).collect()
+}
+
+fn mean_point(points: &[&Point], [of_mse, of_relmse]: [f64; 2]) -> CurvePoint {
+    let over = |value: fn(&Point) -> f64| Interval::of(&points.iter().map(|point| value(point)).collect::<Vec<f64>>());
+    let device: Option<Vec<f64>> = points.iter().map(|point| point.device_seconds).collect();
+    CurvePoint {
+        spp: over(|point| point.spp as f64).mean,
+        seconds: over(|point| point.seconds),
+        device_seconds: device.map(|values| Interval::of(&values)),
+        relmse: over(|point| point.relmse).widened(of_relmse),
+        mse: over(|point| point.mse).widened(of_mse),
+        mape: over(|point| point.mape),
+        flip: over(|point| point.flip),
+    }
+}
+
+/// Two variants, seed by seed.
+fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
+    let ratios = |value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+        let both = last_points(&variant.runs).into_iter().zip(last_points(&against.runs));
+        both.map(|(a, b)| value(a) / value(b)).collect()
+    };
+    let efficiencies = ratios(&efficiency);
+    let strict = Interval::geometric_with(&efficiencies, 1.0 - SIGNIFICANCE);
+    Pair {
+        variant: variant.name.clone(),
+        against: against.name.clone(),
+        efficiency_ratio: Interval::geometric(&efficiencies),
+        speed_ratio: Interval::geometric(&ratios(&|point| point.spp as f64 / point.seconds.max(1e-9))),
+        significant: efficiencies.len() > 1 && !strict.contains(1.0),
+    }
+}
