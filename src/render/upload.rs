@@ -205,16 +205,14 @@ fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
     let mut trees = Vec::new();
     for group in &scene.groups {
         let range = group.primitives();
-        let tree = Bvh::build(&scene.primitives[range.clone()]);
-        order.extend(tree.order.iter().map(|slot| range.start as u32 + slot));
+        let mut tree = Bvh::build(&scene.primitives[range.clone()]);
+        order.extend(std::mem::take(&mut tree.order).into_iter().map(|slot| range.start as u32 + slot));
         trees.push(tree);
     }
     let top = needs.instances.then(|| {
-        let boxes: Vec<Bounds> = scene
-            .instances
-            .iter()
-            .map(|placed| transform_bounds(&placed.to_world, scene.group_bounds(&scene.groups[placed.group])))
-            .collect();
+        let bounds: Vec<Bounds> = scene.groups.iter().map(|group| scene.group_bounds(group)).collect();
+        let boxes: Vec<Bounds> =
+            scene.instances.iter().map(|placed| transform_bounds(&placed.to_world, bounds[placed.group])).collect();
         Bvh::build(&boxes)
     });
     let instance_order = top.as_ref().map_or(vec![0], |top| top.order.clone());
