@@ -2,6 +2,7 @@
 
 use crate::backend::Backend;
 use crate::error::{Error, Result, one_of};
+use crate::gpu::Gpu;
 use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -162,7 +163,9 @@ impl Settings {
         Ok(scene.camera(self.camera.as_deref())?.image_plane(self.width, self.height))
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    /// Fails where they make no sense, or the device lacks the backend.
+    pub(super) fn check(&self, gpu: &Gpu) -> Result<()> {
+        gpu.require(self.backend)?;
         let bad = |what: String| Err(Error::Usage(what));
         if self.width == 0 || self.height == 0 || self.width > 65536 || self.height > 65536 {
             return bad(format!(
