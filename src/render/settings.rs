@@ -1,6 +1,7 @@
 //! What to render with.
 
 use crate::backend::Backend;
+use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
 use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
@@ -132,6 +133,8 @@ pub struct Settings {
     pub specialise: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
+    /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
+    pub chunk: usize,
 }
 
 impl Settings {
@@ -150,6 +153,7 @@ impl Settings {
             lengths: 0,
             specialise: true,
             expected_samples: u64::MAX,
+            chunk: CHUNK,
         }
     }
 

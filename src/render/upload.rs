@@ -6,7 +6,7 @@ use obvhs::cwbvh::node::CwBvhNode;
 use super::settings::Settings;
 use super::watch::{Building, Watch};
 use crate::backend::Backend;
-use crate::bvh::{Bounds, Bvh, CHUNK};
+use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
@@ -57,7 +57,7 @@ impl Uploaded {
             && scene.primitives.len() <= INLINE_MAX as usize
             && settings.expected_samples >= INLINE_WORTHWHILE;
         let mut built = match settings.backend {
-            Backend::Bvh => build_bvh(scene, &needs, watch),
+            Backend::Bvh => build_bvh(scene, &needs, settings.chunk, watch),
             Backend::RayQuery => build_ray_query(gpu, scene, watch)?,
         };
         watch(Building { doing: "uploading the scene", share: 0.0 });
@@ -202,14 +202,14 @@ fn instance(to_world: &DAffine3, root: u32, first_primitive: u32) -> layout::Ins
     layout::Instance { world0, world1, world2, object0, object1, object2, root, first_primitive, moved }
 }
 
-fn build_bvh(scene: &Scene, needs: &Needs, watch: Watch) -> Built {
+fn build_bvh(scene: &Scene, needs: &Needs, chunk: usize, watch: Watch) -> Built {
     let mut order = Vec::with_capacity(scene.primitives.len());
     let mut trees = Vec::new();
     for group in &scene.groups {
         let range = group.primitives();
         let told = |count| watch(Building::tree(range.start + count, scene.primitives.len()));
         told(0);
-        let mut tree = Bvh::build_in_chunks(&scene.primitives[range.clone()], CHUNK, &told);
+        let mut tree = Bvh::build_in_chunks(&scene.primitives[range.clone()], chunk, &told);
         order.extend(std::mem::take(&mut tree.order).into_iter().map(|slot| range.start as u32 + slot));
         trees.push(tree);
     }
