@@ -7,6 +7,7 @@ mod partition;
 use glam::{DVec3, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
@@ -161,15 +162,39 @@ impl Bvh {
     }
 }
 
+/// Levels of a binary tree from which on it counts as degenerate. Trees of millions of boxes have some fifty.
+const DEEP: u32 = 128;
+
 /// The tree over `boxes` in one piece, with so many of them in a leaf at most.
-fn wide_tree<T: Boundable>(boxes: &[T], most_in_leaf: u32) -> CwBvh {
+fn wide_tree<T: Boundable + Sync>(boxes: &[T], most_in_leaf: u32) -> CwBvh {
     // Reinsertion is what the quality of the tree comes from; its cost grows faster than the scene.
     let (search, reinsertion) =
         if boxes.len() < 200_000 { (PlocSearchDistance::High, 0.5) } else { (PlocSearchDistance::Medium, 0.15) };
     let names = (0..boxes.len() as u32).collect();
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, names, SortPrecision::U64, 2);
-    ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
+    if !is_deep(&binary) {
+        ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
+    }
+    // Boxes that are all the same are clustered into a list, whose levels no stack would hold.
+    if is_deep(&binary) {
+        binary = partition::tree_of_cuts(boxes);
+    }
     bvh2_to_cwbvh(&binary, most_in_leaf, true, false)
+}
+
+/// Whether a binary tree has more than [`DEEP`] levels.
+fn is_deep(tree: &Bvh2) -> bool {
+    let mut pending = vec![(0, 1)];
+    while let Some((index, level)) = pending.pop() {
+        let node = &tree.nodes[index as usize];
+        if level > DEEP {
+            return true;
+        }
+        if !node.is_leaf() {
+            pending.extend([(node.first_index, level + 1), (node.first_index + 1, level + 1)]);
+        }
+    }
+    false
 }
 
 /// A child's box as traversal sees it, in exact arithmetic.

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 use obvhs::Boundable;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 
 use super::Bounds;
@@ -33,14 +35,42 @@ pub(super) fn partition<T: Boundable + Sync>(boxes: &[T], order: &mut [u32], mos
             chunks.push(Chunk { first, count, bounds: extent.boxes });
             continue;
         }
-        let cut = if depth < MOST_CUTS { best_cut(boxes, run, extent.centres) } else { None };
-        let left = match cut {
-            Some(cut) => separate(run, |index| cut.is_left(bounds_of(&boxes[index as usize]))),
-            None => halve(boxes, run, extent.centres),
-        };
+        let left = divide(boxes, run, extent, depth);
         pending.extend([(first + left, count - left, depth + 1), (first, left, depth + 1)]);
     }
     chunks
+}
+
+/// The binary tree of all those cuts, down to single boxes. It is never deep: at most [`MOST_CUTS`] and as many more as halving
+/// takes.
+pub(super) fn tree_of_cuts<T: Boundable + Sync>(boxes: &[T]) -> Bvh2 {
+    let mut tree = Bvh2::zeroed(boxes.len());
+    tree.primitive_indices = (0..boxes.len() as u32).collect();
+    tree.nodes = vec![Bvh2Node::default()];
+    let mut pending = vec![(0, 0, boxes.len(), 0)];
+    while let Some((node, first, count, depth)) = pending.pop() {
+        let run = &mut tree.primitive_indices[first..first + count];
+        let extent = Extent::of(boxes, run);
+        if count == 1 {
+            tree.nodes[node] = Bvh2Node::new(extent.boxes.aabb(), 1, first as u32);
+            continue;
+        }
+        let left = divide(boxes, run, extent, depth);
+        let children = tree.nodes.len();
+        tree.nodes[node] = Bvh2Node::new(extent.boxes.aabb(), 0, children as u32);
+        tree.nodes.extend([Bvh2Node::default(); 2]);
+        pending.extend([(children + 1, first + left, count - left, depth + 1), (children, first, left, depth + 1)]);
+    }
+    tree
+}
+
+/// Divides a run of two or more below so many cuts; how many come to lie on the left, at least one and not all.
+fn divide<T: Boundable + Sync>(boxes: &[T], run: &mut [u32], extent: Extent, depth: u32) -> usize {
+    let cut = if depth < MOST_CUTS { best_cut(boxes, run, extent.centres) } else { None };
+    match cut {
+        Some(cut) => separate(run, |index| cut.is_left(bounds_of(&boxes[index as usize]))),
+        None => halve(boxes, run, extent.centres),
+    }
 }
 
 fn bounds_of(item: &impl Boundable) -> Bounds {
