@@ -301,7 +301,11 @@ impl Structure {
         if size[0] == 0 || size[0] >= self.memory.size() {
             return Ok(self);
         }
-        let compacted = Self::empty(gpu, name, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, size[0])?;
+        // Compaction is for memory's sake: where there is no room for the copy, the structure serves as it is.
+        let compacted = match Self::empty(gpu, name, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, size[0]) {
+            Err(Error::OutOfMemory { .. }) => return Ok(self),
+            made => made?,
+        };
         let info = vk::CopyAccelerationStructureInfoKHR::default()
             .src(self.raw)
             .dst(compacted.raw)

@@ -48,8 +48,11 @@ pub struct Prediction {
     pub parts: Vec<Part>,
     /// Bytes of all parts together.
     pub total: u64,
-    /// The most bytes that are held at any time, also while acceleration structures are built.
+    /// The most bytes that are held at any time, also while acceleration structures are built and compacted.
     pub peak: u64,
+    /// The same where nothing is compacted, which there need not be room for.
+    #[serde(skip)]
+    required: u64,
 }
 
 impl Prediction {
@@ -67,10 +70,10 @@ impl Prediction {
     }
 
     fn with_scene(mut table: Table, scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Self> {
-        let while_building = match settings.backend {
+        let (required, peak) = match settings.backend {
             Backend::Bvh => {
                 table.bvh(scene, settings);
-                0
+                (0, 0)
             }
             Backend::RayQuery => {
                 let gpu = gpu.ok_or_else(|| {
@@ -85,17 +88,18 @@ impl Prediction {
         parts.sort_by(|a, b| b.bytes.cmp(&a.bytes).then(a.name.cmp(b.name)));
         let total = parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.bytes));
         let (width, height) = (settings.width, settings.height);
-        Ok(Self { backend: settings.backend.name(), width, height, parts, total, peak: total.max(while_building) })
+        let backend = settings.backend.name();
+        Ok(Self { backend, width, height, parts, total, peak: total.max(peak), required: total.max(required) })
     }
 
     /// Why the device has no room for it; nothing where it has.
     fn refusal(&self, gpu: &Gpu) -> Option<String> {
         let (limits, free) = (gpu.limits(), gpu.free_memory());
-        if self.peak > free {
+        if self.required > free {
             let largest = self.parts.iter().take(3).map(|part| format!("{} {}", part.name, Bytes(part.bytes)));
             return Some(format!(
                 "the rendering needs {} on {}, which has {} free: {}",
-                Bytes(self.peak),
+                Bytes(self.required),
                 gpu.survey().name,
                 Bytes(free),
                 all_of(largest)
@@ -273,21 +277,23 @@ impl Table {
         self.add("nodes", nodes * u64::from(NODE_BYTES), false);
     }
 
-    /// Returns the most that is held while the structures are built, before the other arrays are there.
-    fn ray_query(&mut self, gpu: &Gpu, scene: &Scene) -> Result<u64> {
-        let (mut held, mut most) = (0u64, 0);
+    /// Returns what is held while the structures are built, before the other arrays are there: what building takes, and the
+    /// most that it can be with copies for compaction.
+    fn ray_query(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(u64, u64)> {
+        let (mut held, mut required, mut most) = (0u64, 0, 0);
         for (count, spheres) in parts(gpu, scene) {
             let BuildSizes { structure, scratch, input } = accel::bottom_level_sizes(gpu, count, spheres)?;
-            // A compacted copy is made after the scratch memory is gone.
+            required = required.max(held + input + structure + scratch);
+            // The copy is made after the scratch memory is gone.
             most = most.max(held + input + structure + scratch.max(structure));
             held += structure;
             self.add("acceleration structure", structure, false);
         }
         let placed = placements(gpu, scene);
         let BuildSizes { structure, scratch, input } = accel::top_level_sizes(gpu, placed as u32)?;
-        most = most.max(held + input + structure + scratch);
+        let top = held + input + structure + scratch;
         self.add("acceleration structure", structure, false);
         self.add("instances", placed * size_of::<layout::Instance>() as u64, true);
-        Ok(most)
+        Ok((required.max(top), most.max(top)))
     }
 }
