@@ -385,7 +385,7 @@ fn chunked_trees_find_what_brute_force_finds() {
     let scene = scene();
     with_gpu(|gpu| {
         for chunk in [1, 10] {
-            check(gpu, &scene, &Settings { chunk, ..settings(&scene, "path", Backend::Bvh) }, 100_000);
+            check(gpu, &scene, &Settings { chunk, ..settings(&scene, "path", Backend::Bvh) }, 50_000);
         }
     });
 }
@@ -512,7 +512,7 @@ fn trees_over_awkward_boxes_are_valid() {
             } else {
                 boxes
             };
-            for chunk in [CHUNK, 1500, 64, 5, 1] {
+            for chunk in [CHUNK, 1500, 64, 5, 1].into_iter().filter(|chunk| count / chunk <= 1000) {
                 let told = AtomicUsize::new(0);
                 let tree = Bvh::build_in_chunks(&boxes, chunk, &|done| {
                     told.fetch_max(done, Ordering::Relaxed);
