@@ -1,10 +1,15 @@
 //! The compressed wide BVH that backend `bvh` traverses (Ylitie, Karras and Laine 2017), built by obvhs, and a check
 //! that it is right.
 
+mod chunked;
+mod partition;
+
 use glam::{DVec3, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
@@ -16,6 +21,9 @@ const _: () = assert!(size_of::<CwBvhNode>() == NODE_BYTES as usize);
 /// By how much of a grid cell traversal widens each child's box; `CELL_MARGIN` in `shaders/trace/bvh.glsl`. It makes up
 /// for the rounding of the quantisation, which [`Bvh::validate`] bounds.
 pub const CELL_MARGIN: f64 = 1.0 / 256.0;
+
+/// The most boxes that get a tree in one piece. Building takes some 300 bytes for each of them; more are cut into chunks.
+pub const CHUNK: usize = 1 << 19;
 
 /// A tree over boxes.
 #[derive(Clone, Debug)]
@@ -81,20 +89,21 @@ impl Boundable for Primitive {
 
 impl Bvh {
     /// Builds a tree over boxes, or over primitives. No box at all gives a root without children.
-    pub fn build<T: Boundable>(boxes: &[T]) -> Self {
+    pub fn build<T: Boundable + Sync>(boxes: &[T]) -> Self {
+        Self::build_in_chunks(boxes, CHUNK, &|_| {})
+    }
+
+    /// The same in chunks of `most` boxes at most, where there are more. `done` is told from time to time, from any thread,
+    /// how many boxes have found their place.
+    pub fn build_in_chunks<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
         if boxes.is_empty() {
             return Self { nodes: vec![CwBvhNode::default()], order: Vec::new(), depth: 1 };
         }
-        let indices = (0..boxes.len() as u32).collect();
-        // Reinsertion is what the quality of the tree comes from; its cost grows faster than the scene.
-        let (search, reinsertion) = match boxes.len() {
-            0..200_000 => (PlocSearchDistance::High, 0.5),
-            200_000..2_000_000 => (PlocSearchDistance::Medium, 0.15),
-            _ => (PlocSearchDistance::Low, 0.02),
-        };
-        let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, indices, SortPrecision::U64, 2);
-        ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
-        let wide = bvh2_to_cwbvh(&binary, 3, true, false);
+        if boxes.len() > most.max(1) {
+            return chunked::build(boxes, most, done);
+        }
+        let wide = wide_tree(boxes, 3);
+        done(boxes.len());
         let depth = depth_below(&wide.nodes);
         Self { nodes: wide.nodes, order: wide.primitive_indices, depth }
     }
@@ -151,6 +160,41 @@ impl Bvh {
         }
         Ok(all)
     }
+}
+
+/// Levels of a binary tree from which on it counts as degenerate. Trees of millions of boxes have some fifty.
+const DEEP: u32 = 128;
+
+/// The tree over `boxes` in one piece, with so many of them in a leaf at most.
+fn wide_tree<T: Boundable + Sync>(boxes: &[T], most_in_leaf: u32) -> CwBvh {
+    // Reinsertion is what the quality of the tree comes from; its cost grows faster than the scene.
+    let (search, reinsertion) =
+        if boxes.len() < 200_000 { (PlocSearchDistance::High, 0.5) } else { (PlocSearchDistance::Medium, 0.15) };
+    let names = (0..boxes.len() as u32).collect();
+    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(search, boxes, names, SortPrecision::U64, 2);
+    if !is_deep(&binary) {
+        ReinsertionOptimizer::default().run(&mut binary, reinsertion, None);
+    }
+    // Boxes that are all the same are clustered into a list, whose levels no stack would hold.
+    if is_deep(&binary) {
+        binary = partition::tree_of_cuts(boxes);
+    }
+    bvh2_to_cwbvh(&binary, most_in_leaf, true, false)
+}
+
+/// Whether a binary tree has more than [`DEEP`] levels.
+fn is_deep(tree: &Bvh2) -> bool {
+    let mut pending = vec![(0, 1)];
+    while let Some((index, level)) = pending.pop() {
+        let node = &tree.nodes[index as usize];
+        if level > DEEP {
+            return true;
+        }
+        if !node.is_leaf() {
+            pending.extend([(node.first_index, level + 1), (node.first_index + 1, level + 1)]);
+        }
+    }
+    false
 }
 
 /// A child's box as traversal sees it, in exact arithmetic.

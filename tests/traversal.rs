@@ -5,14 +5,15 @@
 mod common;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{backends, settings, with_gpu};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use lumbre::backend::Backend;
-use lumbre::bvh::{Bvh, primitive_bounds};
+use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
 use lumbre::gpu::Gpu;
 use lumbre::layout::{HitRecord, Primitive, RayRecord, SPHERE_BIT};
-use lumbre::render::Probe;
+use lumbre::render::{Probe, Settings};
 use lumbre::scene::{Mesh, Scene, SceneBuilder};
 use rayon::prelude::*;
 
@@ -323,9 +324,10 @@ fn judge(scene: &Scene, ray: &RayRecord, hit: &HitRecord, primitive: u32, instan
     }
 }
 
-fn check(gpu: &Gpu, scene: &Scene, backend: Backend, count: usize) {
+fn check(gpu: &Gpu, scene: &Scene, settings: &Settings, count: usize) {
+    let backend = settings.backend;
     let rays = rays(scene, count);
-    let probe = Probe::new(gpu, scene, &settings(scene, "path", backend), "test/trace").unwrap();
+    let probe = Probe::new(gpu, scene, settings, "test/trace").unwrap();
     let hits: Vec<HitRecord> = probe.run(&rays).unwrap();
     // Rays at random or at the middle of triangles, and rays aimed at vertices, edges and along the axes.
     for (kind, is_kind, most_near_outline) in [
@@ -370,7 +372,22 @@ fn check(gpu: &Gpu, scene: &Scene, backend: Backend, count: usize) {
 #[test]
 fn both_backends_find_what_brute_force_finds() {
     let scene = scene();
-    with_gpu(|gpu| backends(gpu).into_iter().for_each(|backend| check(gpu, &scene, backend, 1_000_000)));
+    with_gpu(|gpu| {
+        for backend in backends(gpu) {
+            check(gpu, &scene, &settings(&scene, "path", backend), 1_000_000);
+        }
+    });
+}
+
+/// Groups that are cut into chunks, each with a tree of its own, are traversed as one.
+#[test]
+fn chunked_trees_find_what_brute_force_finds() {
+    let scene = scene();
+    with_gpu(|gpu| {
+        for chunk in [1, 10] {
+            check(gpu, &scene, &Settings { chunk, ..settings(&scene, "path", Backend::Bvh) }, 50_000);
+        }
+    });
 }
 
 /// From inside a closed mesh every ray hits, also those at its vertices and edges. `bvh` is watertight; a driver's own ray
@@ -445,7 +462,7 @@ fn inline_triangles_answer_as_the_bvh_does() {
         .collect();
     with_gpu(|gpu| {
         let answers = [0, u64::MAX].map(|expected_samples| {
-            let settings = lumbre::render::Settings { expected_samples, ..settings(&scene, "path", Backend::Bvh) };
+            let settings = Settings { expected_samples, ..settings(&scene, "path", Backend::Bvh) };
             let probe = Probe::new(gpu, &scene, &settings, "test/trace").unwrap();
             probe.run::<RayRecord, HitRecord>(&rays).unwrap()
         });
@@ -465,9 +482,10 @@ fn inline_triangles_answer_as_the_bvh_does() {
 fn trees_over_awkward_boxes_are_valid() {
     let mut random = Random(23);
     for count in [0, 1, 2, 3, 4, 7, 64, 1000, 20_000] {
-        for kind in ["even", "one point", "flat", "far", "wild"] {
+        for kind in ["even", "one point", "flat", "far", "wild", "equal", "one is huge"] {
             let boxes: Vec<_> = (0..count)
-                .map(|_| {
+                .map(|index| {
+                    let size = if kind == "one is huge" && index == count / 3 { 1e4 } else { 0.01 };
                     let centre = match kind {
                         "one point" => DVec3::ONE,
                         "flat" => random.in_cube(1.0) * DVec3::new(1.0, 0.0, 1.0),
@@ -477,7 +495,7 @@ fn trees_over_awkward_boxes_are_valid() {
                     };
                     let mut corner = || {
                         (centre
-                            + random.in_cube(0.01)
+                            + random.in_cube(size)
                                 * if kind == "flat" { DVec3::new(1.0, 0.0, 1.0) } else { DVec3::ONE })
                         .as_vec3()
                     };
@@ -489,10 +507,40 @@ fn trees_over_awkward_boxes_are_valid() {
                     })
                 })
                 .collect();
-            let tree = Bvh::build(&boxes);
-            tree.validate(&boxes).unwrap_or_else(|error| panic!("{count} boxes, {kind}: {error}"));
-            assert_eq!(tree.order.len(), count);
+            let boxes = if kind == "equal" {
+                vec![boxes[..].first().copied(); count].into_iter().flatten().collect()
+            } else {
+                boxes
+            };
+            for chunk in [CHUNK, 1500, 64, 5, 1].into_iter().filter(|chunk| count / chunk <= 1000) {
+                let told = AtomicUsize::new(0);
+                let tree = Bvh::build_in_chunks(&boxes, chunk, &|done| {
+                    told.fetch_max(done, Ordering::Relaxed);
+                });
+                let valid = tree.validate(&boxes);
+                valid.unwrap_or_else(|error| panic!("{count} boxes, {kind}, chunks of {chunk}: {error}"));
+                assert_eq!((tree.order.len(), told.into_inner()), (count, count), "{kind}, chunks of {chunk}");
+                assert!(tree.depth < 64, "{count} boxes, {kind}, chunks of {chunk}: {} deep", tree.depth);
+            }
         }
+    }
+}
+
+/// The same boxes give the same tree, whichever chunk is built first.
+#[test]
+fn chunked_trees_repeat_bit_for_bit() {
+    let mut random = Random(37);
+    let boxes: Vec<_> = (0..20_000)
+        .map(|_| {
+            let centre = random.in_cube(1.0);
+            let mut corner = || (centre + random.in_cube(0.01)).as_vec3().into();
+            primitive_bounds(&Primitive { v0: corner(), v1: corner(), v2: corner(), surface: 0 })
+        })
+        .collect();
+    let first = Bvh::build_in_chunks(&boxes, 500, &|_| {});
+    for _ in 0..5 {
+        let again = Bvh::build_in_chunks(&boxes, 500, &|_| {});
+        assert!(first.nodes == again.nodes && first.order == again.order && first.depth == again.depth);
     }
 }
 

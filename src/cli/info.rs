@@ -1,43 +1,140 @@
-//! `lumbre info`: what a scene holds and needs.
+//! `lumbre info`: what a scene holds, what it needs, and what rendering it takes on the device.
+
+mod census;
+
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use lumbre::error::Result;
-use lumbre::scene::Needs;
+use lumbre::backend::BACKENDS;
+use lumbre::error::{Bytes, Result};
+use lumbre::gpu::Gpu;
+use lumbre::output::check_writable;
+use lumbre::render::{Prediction, Settings, Technique};
+use lumbre::scene::Scene;
 
-use super::{SceneArgs, print, print_warnings};
+use super::render::{parse_size, write_json};
+use super::{DeviceArgs, SceneArgs, print, print_warnings};
+use census::{Census, Memory};
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
     #[command(flatten)]
     scene: SceneArgs,
+
+    /// Size of the image in pixels, for the bytes on the device; by default the scene's
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+
+    /// Write the figures as JSON ('-' is standard output)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+
+    #[command(flatten)]
+    device: DeviceArgs,
 }
 
 pub(super) fn run(args: &InfoArgs) -> Result<()> {
+    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
+        check_writable(path)?;
+    }
     let scene = args.scene.load()?;
     print_warnings(&scene);
-    let needs = Needs::of(&scene);
-    let triangles: u32 = scene.groups.iter().map(|group| group.triangles.len() as u32).sum();
-    let spheres: u32 = scene.groups.iter().map(|group| group.spheres.len() as u32).sum();
-    print(&format!("scene      {}", scene.source.display()));
-    print(&format!("image      {}x{}, {:?}", scene.film.width, scene.film.height, scene.film.filter));
-    let cameras: Vec<_> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    print(&format!("cameras    {}", cameras.join(", ")));
+    // Everything but the size of the driver's acceleration structures is known without a device.
+    let gpu = match args.device.open() {
+        Err(error) if args.device.device.is_some() || args.device.validate => return Err(error),
+        opened => opened,
+    };
+    let memory = BACKENDS.iter().map(|row| -> Result<Memory> {
+        let mut settings = Settings::new(&scene, Technique::parse("path")?, row.backend);
+        if let Some((width, height)) = args.size {
+            (settings.width, settings.height) = (width, height);
+        }
+        Ok(match predict(&scene, &settings, gpu.as_ref().ok()) {
+            Ok(predicted) => Memory::Known(predicted),
+            Err(error) => Memory::Unknown { backend: row.name, unknown: error.to_string() },
+        })
+    });
+    let census = Census::of(&scene, memory.collect::<Result<_>>()?);
+    for repeat in &census.repeated_images {
+        eprintln!(
+            "warning: {}: image {} ({}) holds the same texels as image {} ({}): {} are wasted",
+            scene.source.display(),
+            repeat.image,
+            census.images[repeat.image].source,
+            repeat.same_as,
+            census.images[repeat.same_as].source,
+            Bytes(repeat.bytes)
+        );
+    }
+    if let Some(path) = &args.json {
+        write_json(path, &census)?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        print_census(&census);
+    }
+    gpu.map_or(Ok(()), |gpu| DeviceArgs::report_validation(&gpu))
+}
+
+fn predict(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Prediction> {
+    gpu.map_or(Ok(()), |gpu| gpu.require(settings.backend))?;
+    Prediction::of(scene, settings, gpu)
+}
+
+fn print_census(census: &Census) {
+    print(&format!("scene      {}", census.scene));
+    print(&format!("image      {}x{}, {}", census.width, census.height, census.filter));
+    print(&format!("cameras    {}", census.cameras.join(", ")));
     print(&format!(
-        "geometry   {triangles} triangles, {spheres} spheres, {} groups, {} instances",
-        scene.groups.len(),
-        scene.instances.len()
+        "geometry   {} triangles, {} spheres, {} groups, {} instances",
+        census.triangles.unique, census.spheres.unique, census.groups, census.instances
     ));
-    let (min, max) = (scene.origin + scene.bounds.min.as_dvec3(), scene.origin + scene.bounds.max.as_dvec3());
+    print(&format!("as placed  {} triangles, {} spheres", census.triangles.placed, census.spheres.placed));
+    let [min, max] = census.bounds.map(|[x, y, z]| format!("[{x}, {y}, {z}]"));
     print(&format!("bounds     {min} to {max}"));
-    print(&format!("surfaces   {}, of {} materials", scene.surfaces.len(), scene.materials.len()));
+    print(&format!("surfaces   {}, of {} materials", census.surfaces, census.materials));
+    let lights: Vec<_> = census.lights.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
     print(&format!(
-        "lights     {} entries, background {}",
-        scene.lights.len(),
-        if needs.background { "yes" } else { "no" }
+        "lights     {} entries{}, background {}",
+        census.lights.values().sum::<usize>(),
+        if lights.is_empty() { String::new() } else { format!(" ({})", lights.join(", ")) },
+        if census.background { "yes" } else { "no" }
     ));
-    let (used, left_out) = needs.describe();
-    print(&format!("needs      {}", used.join(", ")));
-    print(&format!("left out   {}", left_out.join(", ")));
-    Ok(())
+    print(&format!("textures   {}, of {} images", census.textures, census.images.len()));
+    for image in &census.images {
+        print(&format!(
+            "           {}x{} {}, {}, {}",
+            image.width,
+            image.height,
+            image.format,
+            Bytes(image.bytes),
+            image.source
+        ));
+    }
+    print(&format!("needs      {}", census.needs.join(", ")));
+    print(&format!("left out   {}", census.left_out.join(", ")));
+    census.memory.iter().for_each(print_memory);
+}
+
+fn print_memory(memory: &Memory) {
+    let predicted = match memory {
+        Memory::Unknown { backend, unknown } => return print(&format!("memory     {backend}: unknown: {unknown}")),
+        Memory::Known(predicted) => predicted,
+    };
+    let while_building = if predicted.peak > predicted.total {
+        format!(", at most {} while it is built", Bytes(predicted.peak))
+    } else {
+        String::new()
+    };
+    print(&format!(
+        "memory     {}, {}x{}: {} on the device{while_building}",
+        predicted.backend,
+        predicted.width,
+        predicted.height,
+        Bytes(predicted.total)
+    ));
+    for part in &predicted.parts {
+        let estimate = if part.exact { "" } else { ", estimated" };
+        print(&format!("           {:<22} {:>10}{estimate}", part.name, Bytes(part.bytes).to_string()));
+    }
 }

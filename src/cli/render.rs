@@ -19,7 +19,7 @@ use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
-use progress::Progress;
+use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.
 const DEFAULT_SPP: u32 = 64;
@@ -161,7 +161,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
 
     gpu.reset_peak();
-    let mut renderer = Renderer::new(&gpu, &scene, &settings)?;
+    let building = BuildProgress::new(args.quiet);
+    let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
+    building.finish();
+    let mut renderer = built?;
     let mut progress = Progress::new(args.quiet, &job);
     let rendering = Instant::now();
     loop {

@@ -37,46 +37,133 @@ struct Structure {
     memory: Buffer,
 }
 
+/// Bytes that building one structure takes.
+#[derive(Clone, Copy, Debug)]
+pub struct BuildSizes {
+    /// The structure, before it is compacted.
+    pub structure: u64,
+    /// Memory that the driver works in.
+    pub scratch: u64,
+    /// What it is built from.
+    pub input: u64,
+}
+
+const BOTTOM_FLAGS: vk::BuildAccelerationStructureFlagsKHR = vk::BuildAccelerationStructureFlagsKHR::from_raw(
+    vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE.as_raw()
+        | vk::BuildAccelerationStructureFlagsKHR::ALLOW_COMPACTION.as_raw(),
+);
+const TOP_FLAGS: vk::BuildAccelerationStructureFlagsKHR = vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE;
+
+/// What the driver asks for a bottom level over so many triangles or spheres.
+pub fn bottom_level_sizes(gpu: &Gpu, count: u32, spheres: bool) -> Result<BuildSizes> {
+    let kind = vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL;
+    let geometry = bottom_geometry(spheres, count, 0);
+    let input = element_bytes(spheres) * u64::from(count);
+    Ok(total_sizes(gpu, driver_sizes(Structure::functions(gpu)?, kind, BOTTOM_FLAGS, geometry, count), input))
+}
+
+/// What the driver asks for a top level over so many instances.
+pub fn top_level_sizes(gpu: &Gpu, count: u32) -> Result<BuildSizes> {
+    let kind = vk::AccelerationStructureTypeKHR::TOP_LEVEL;
+    let input = size_of::<vk::AccelerationStructureInstanceKHR>() as u64 * u64::from(count);
+    Ok(total_sizes(gpu, driver_sizes(Structure::functions(gpu)?, kind, TOP_FLAGS, top_geometry(0), count), input))
+}
+
+fn total_sizes(gpu: &Gpu, sizes: vk::AccelerationStructureBuildSizesInfoKHR<'_>, input: u64) -> BuildSizes {
+    let scratch = sizes.build_scratch_size + gpu.limits().scratch_alignment;
+    BuildSizes { structure: sizes.acceleration_structure_size, scratch, input }
+}
+
+/// Bytes of the build input per triangle or sphere: three corners, or two of a box.
+fn element_bytes(spheres: bool) -> u64 {
+    if spheres { 24 } else { 36 }
+}
+
+fn bottom_geometry(spheres: bool, count: u32, input: u64) -> vk::AccelerationStructureGeometryKHR<'static> {
+    let data = vk::DeviceOrHostAddressConstKHR { device_address: input };
+    if spheres {
+        let boxes = vk::AccelerationStructureGeometryAabbsDataKHR::default().data(data).stride(24);
+        vk::AccelerationStructureGeometryKHR::default()
+            .geometry_type(vk::GeometryTypeKHR::AABBS)
+            .geometry(vk::AccelerationStructureGeometryDataKHR { aabbs: boxes })
+    } else {
+        let triangles = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
+            .vertex_format(vk::Format::R32G32B32_SFLOAT)
+            .vertex_data(data)
+            .vertex_stride(12)
+            .max_vertex((3 * count).saturating_sub(1))
+            .index_type(vk::IndexType::NONE_KHR);
+        vk::AccelerationStructureGeometryKHR::default()
+            .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
+            .geometry(vk::AccelerationStructureGeometryDataKHR { triangles })
+            .flags(vk::GeometryFlagsKHR::OPAQUE)
+    }
+}
+
+fn top_geometry(input: u64) -> vk::AccelerationStructureGeometryKHR<'static> {
+    let instances = vk::AccelerationStructureGeometryInstancesDataKHR::default()
+        .data(vk::DeviceOrHostAddressConstKHR { device_address: input });
+    vk::AccelerationStructureGeometryKHR::default()
+        .geometry_type(vk::GeometryTypeKHR::INSTANCES)
+        .geometry(vk::AccelerationStructureGeometryDataKHR { instances })
+}
+
+fn build_info<'a>(
+    kind: vk::AccelerationStructureTypeKHR,
+    flags: vk::BuildAccelerationStructureFlagsKHR,
+    geometries: &'a [vk::AccelerationStructureGeometryKHR<'a>],
+) -> vk::AccelerationStructureBuildGeometryInfoKHR<'a> {
+    vk::AccelerationStructureBuildGeometryInfoKHR::default()
+        .ty(kind)
+        .flags(flags)
+        .mode(vk::BuildAccelerationStructureModeKHR::BUILD)
+        .geometries(geometries)
+}
+
+fn driver_sizes(
+    functions: &ash::khr::acceleration_structure::Device,
+    kind: vk::AccelerationStructureTypeKHR,
+    flags: vk::BuildAccelerationStructureFlagsKHR,
+    geometry: vk::AccelerationStructureGeometryKHR<'_>,
+    count: u32,
+) -> vk::AccelerationStructureBuildSizesInfoKHR<'static> {
+    let geometries = [geometry];
+    let mut sizes = vk::AccelerationStructureBuildSizesInfoKHR::default();
+    // SAFETY: one geometry and one count; the addresses in it are not read here.
+    unsafe {
+        functions.get_acceleration_structure_build_sizes(
+            vk::AccelerationStructureBuildTypeKHR::DEVICE,
+            &build_info(kind, flags, &geometries),
+            &[count],
+            &mut sizes,
+        );
+    }
+    sizes
+}
+
 impl Blas {
     /// Builds and compacts the structure over primitives that are all triangles or all spheres.
     pub fn build(gpu: &Gpu, name: &str, primitives: &[Primitive]) -> Result<Self> {
         let spheres = primitives.first().is_some_and(|primitive| primitive.surface & SPHERE_BIT != 0);
         let usage = vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
-        let data: Vec<[f32; 3]> = if spheres {
-            primitives.iter().flat_map(sphere_box).collect()
-        } else {
-            primitives.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).collect()
-        };
-        let input = Buffer::with_usage(
-            gpu,
-            &format!("{name} build input"),
-            size_of_val(&data[..]) as u64,
-            usage,
-            MemoryLocation::GpuOnly,
-        )?;
-        input.upload(bytemuck::cast_slice(&data))?;
-        let input_address = vk::DeviceOrHostAddressConstKHR { device_address: input.address() };
-        let geometry = if spheres {
-            let boxes = vk::AccelerationStructureGeometryAabbsDataKHR::default().data(input_address).stride(24);
-            vk::AccelerationStructureGeometryKHR::default()
-                .geometry_type(vk::GeometryTypeKHR::AABBS)
-                .geometry(vk::AccelerationStructureGeometryDataKHR { aabbs: boxes })
-        } else {
-            let triangles = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
-                .vertex_format(vk::Format::R32G32B32_SFLOAT)
-                .vertex_data(input_address)
-                .vertex_stride(12)
-                .max_vertex((data.len() as u32).saturating_sub(1))
-                .index_type(vk::IndexType::NONE_KHR);
-            vk::AccelerationStructureGeometryKHR::default()
-                .geometry_type(vk::GeometryTypeKHR::TRIANGLES)
-                .geometry(vk::AccelerationStructureGeometryDataKHR { triangles })
-                .flags(vk::GeometryFlagsKHR::OPAQUE)
-        };
-        let flags = vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE
-            | vk::BuildAccelerationStructureFlagsKHR::ALLOW_COMPACTION;
+        let element = element_bytes(spheres);
+        let size = element * primitives.len() as u64;
+        let input = Buffer::with_usage(gpu, &format!("{name} build input"), size, usage, MemoryLocation::GpuOnly)?;
+        // Written on the way to the device: a copy of a large mesh would take as much memory as the mesh.
+        input.fill(size, element, |offset, bytes| {
+            let first = (offset / element) as usize;
+            for (out, primitive) in bytes.chunks_exact_mut(element as usize).zip(&primitives[first..]) {
+                if spheres {
+                    out.copy_from_slice(bytemuck::cast_slice(&sphere_box(primitive)));
+                } else {
+                    out.copy_from_slice(bytemuck::cast_slice(&[primitive.v0, primitive.v1, primitive.v2]));
+                }
+            }
+        })?;
+        let count = primitives.len() as u32;
+        let geometry = bottom_geometry(spheres, count, input.address());
         let kind = vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL;
-        let structure = Structure::build(gpu, name, kind, flags, geometry, primitives.len() as u32)?.compact(name)?;
+        let structure = Structure::build(gpu, name, kind, BOTTOM_FLAGS, geometry, count)?.compact(name)?;
         let address = structure.address()?;
         Ok(Self { structure, address })
     }
@@ -114,14 +201,9 @@ impl Tlas {
             MemoryLocation::GpuOnly,
         )?;
         input.upload(bytemuck::cast_slice(&data))?;
-        let instances = vk::AccelerationStructureGeometryInstancesDataKHR::default()
-            .data(vk::DeviceOrHostAddressConstKHR { device_address: input.address() });
-        let geometry = vk::AccelerationStructureGeometryKHR::default()
-            .geometry_type(vk::GeometryTypeKHR::INSTANCES)
-            .geometry(vk::AccelerationStructureGeometryDataKHR { instances });
+        let geometry = top_geometry(input.address());
         let kind = vk::AccelerationStructureTypeKHR::TOP_LEVEL;
-        let flags = vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE;
-        let structure = Structure::build(gpu, "top level", kind, flags, geometry, placements.len() as u32)?;
+        let structure = Structure::build(gpu, "top level", kind, TOP_FLAGS, geometry, placements.len() as u32)?;
         Ok(Self { structure, _parts: parts })
     }
 
@@ -164,21 +246,8 @@ impl Structure {
     ) -> Result<Self> {
         let functions = Self::functions(gpu)?;
         let geometries = [geometry];
-        let mut info = vk::AccelerationStructureBuildGeometryInfoKHR::default()
-            .ty(kind)
-            .flags(flags)
-            .mode(vk::BuildAccelerationStructureModeKHR::BUILD)
-            .geometries(&geometries);
-        let mut sizes = vk::AccelerationStructureBuildSizesInfoKHR::default();
-        // SAFETY: one geometry and one count; the addresses in it are not read here.
-        unsafe {
-            functions.get_acceleration_structure_build_sizes(
-                vk::AccelerationStructureBuildTypeKHR::DEVICE,
-                &info,
-                &[count],
-                &mut sizes,
-            );
-        }
+        let sizes = driver_sizes(functions, kind, flags, geometry, count);
+        let mut info = build_info(kind, flags, &geometries);
         let structure = Self::empty(gpu, name, kind, sizes.acceleration_structure_size)?;
         let alignment = gpu.limits().scratch_alignment;
         let scratch = Buffer::new(gpu, &format!("{name} build scratch"), sizes.build_scratch_size + alignment)?;
@@ -232,7 +301,11 @@ impl Structure {
         if size[0] == 0 || size[0] >= self.memory.size() {
             return Ok(self);
         }
-        let compacted = Self::empty(gpu, name, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, size[0])?;
+        // Compaction is for memory's sake: where there is no room for the copy, the structure serves as it is.
+        let compacted = match Self::empty(gpu, name, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, size[0]) {
+            Err(Error::OutOfMemory { .. }) => return Ok(self),
+            made => made?,
+        };
         let info = vk::CopyAccelerationStructureInfoKHR::default()
             .src(self.raw)
             .dst(compacted.raw)

@@ -152,7 +152,7 @@ impl Buffer {
 
     /// Writes `size` bytes to its beginning, which `make` puts, from an offset on, into the slice that it is given: whole
     /// elements of `element` bytes.
-    fn fill(&self, size: u64, element: u64, make: impl FnMut(u64, &mut [u8])) -> Result<()> {
+    pub(super) fn fill(&self, size: u64, element: u64, make: impl FnMut(u64, &mut [u8])) -> Result<()> {
         self.fill_at(0, size, element, make)
     }
 

@@ -34,6 +34,8 @@ pub struct Limits {
     pub max_instances: u64,
     /// Bytes of the largest single allocation.
     pub max_allocation: u64,
+    /// Bytes of the largest buffer.
+    pub max_buffer: u64,
 }
 
 pub(super) struct GpuShared {
@@ -198,6 +200,25 @@ impl Gpu {
         self.shared.peak.load(Ordering::Relaxed)
     }
 
+    /// Bytes that can still be allocated on the device's largest heap: what the driver's budget leaves, where it tells one
+    /// (VK_EXT_memory_budget), else all that lumbre does not hold.
+    pub fn free_memory(&self) -> u64 {
+        let (instance, survey) = (&self.shared.instance.raw, self.survey());
+        if !survey.has_memory_budget {
+            return survey.memory.saturating_sub(self.bytes_in_use());
+        }
+        let mut budget = vk::PhysicalDeviceMemoryBudgetPropertiesEXT::default();
+        let mut properties = vk::PhysicalDeviceMemoryProperties2::default().push_next(&mut budget);
+        // SAFETY: the device belongs to the live instance and has the extension that the chained structure is part of.
+        unsafe { instance.get_physical_device_memory_properties2(survey.raw, &mut properties) };
+        let heaps = properties.memory_properties;
+        let heaps = heaps.memory_heaps_as_slice().iter().zip(budget.heap_budget.iter().zip(&budget.heap_usage));
+        heaps
+            .filter(|(heap, _)| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
+            .max_by_key(|(heap, _)| heap.size)
+            .map_or(0, |(heap, (budget, usage))| (*budget).min(heap.size).saturating_sub(*usage))
+    }
+
     /// Begins a new measurement of the peak.
     pub fn reset_peak(&self) {
         self.shared.peak.store(self.bytes_in_use(), Ordering::Relaxed);
@@ -250,7 +271,9 @@ impl Limits {
     fn read(instance: &ash::Instance, device: vk::PhysicalDevice, ray_query: bool, has_timestamps: bool) -> Self {
         let mut acceleration = vk::PhysicalDeviceAccelerationStructurePropertiesKHR::default();
         let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
-        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut maintenance);
+        let mut maintenance4 = vk::PhysicalDeviceMaintenance4Properties::default();
+        let mut properties =
+            vk::PhysicalDeviceProperties2::default().push_next(&mut maintenance).push_next(&mut maintenance4);
         if ray_query {
             properties = properties.push_next(&mut acceleration);
         }
@@ -264,6 +287,7 @@ impl Limits {
             max_blas_primitives: acceleration.max_primitive_count,
             max_instances: acceleration.max_instance_count,
             max_allocation: maintenance.max_memory_allocation_size,
+            max_buffer: maintenance4.max_buffer_size,
         }
     }
 }

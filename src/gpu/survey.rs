@@ -2,7 +2,7 @@
 
 use std::ffi::CStr;
 
-use ash::{khr, vk};
+use ash::{ext, khr, vk};
 use serde::Serialize;
 
 use super::instance::version_text;
@@ -29,6 +29,8 @@ pub enum DeviceKind {
 pub struct Survey {
     #[serde(skip)]
     pub(super) raw: vk::PhysicalDevice,
+    #[serde(skip)]
+    pub(super) has_memory_budget: bool,
     /// Its place in the driver's list.
     pub index: usize,
     /// Its name.
@@ -106,6 +108,7 @@ impl Survey {
 
         Self {
             raw,
+            has_memory_budget: version >= vk::API_VERSION_1_1 && has(ext::memory_budget::NAME),
             index,
             name: text(basic.device_name_as_c_str()),
             uuid: uuid_text(&vulkan11.device_uuid),

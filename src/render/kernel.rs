@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::settings::Settings;
 use super::upload::Uploaded;
+use super::watch::Watch;
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::gpu::{Bindings, DeviceKind, Gpu, Pipeline};
@@ -22,12 +23,11 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// Uploads the scene and makes a pipeline of the module `name` for it.
-    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
-        gpu.require(settings.backend)?;
-        settings.check()?;
+    /// Uploads the scene and makes a pipeline of the module `name` for it. The caller has checked the settings and that the
+    /// device has room.
+    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, watch: Watch) -> Result<Self> {
         let started = Instant::now();
-        let uploaded = Uploaded::new(gpu, scene, settings)?;
+        let uploaded = Uploaded::new(gpu, scene, settings, watch)?;
         let build_seconds = started.elapsed().as_secs_f64();
 
         let started = Instant::now();

@@ -6,12 +6,15 @@
 
 mod frames;
 mod kernel;
+mod memory;
 mod probe;
 mod settings;
 mod upload;
+mod watch;
 
 use std::time::{Duration, Instant};
 
+pub use memory::{Part, Prediction};
 pub use probe::Probe;
 pub use settings::{Settings, Technique};
 
@@ -22,7 +25,9 @@ use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGR
 use crate::scene::Scene;
 use frames::FramePlan;
 use kernel::Kernel;
+use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 pub use upload::Uploaded;
+pub use watch::{Building, Watch};
 
 pub use crate::gpu::modules_fingerprint as kernels_fingerprint;
 
@@ -55,18 +60,29 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// Uploads the scene and makes the kernels.
+    /// Uploads the scene and makes the kernels. Fails before that where the device has no room.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
+        Self::watched(gpu, scene, settings, &|_| {})
+    }
+
+    /// The same; `watch` is told how far it is.
+    pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
+        settings.check(gpu)?;
+        memory::check(gpu, scene, settings)?;
         let name = format!("{}.pixels.{}", settings.technique.row.name, settings.backend.name());
-        let kernel = Kernel::new(gpu, scene, settings, &name)?;
+        let kernel = Kernel::new(gpu, scene, settings, &name, watch)?;
         let started = Instant::now();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
             settings: settings.clone(),
             film: Buffer::zeroed(gpu, "film", pixels * size_of::<FilmPixel>() as u64)?,
-            layers: Buffer::zeroed(gpu, "film by path length", pixels * u64::from(settings.lengths) * 24)?,
-            tally: Buffer::zeroed(gpu, "tally", 4 * u64::from(1 + 2 * BAD_SAMPLES + RAY_COUNTERS))?,
+            layers: Buffer::zeroed(
+                gpu,
+                "film by path length",
+                pixels * u64::from(settings.lengths) * LAYER_PIXEL_BYTES,
+            )?,
+            tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
             plan: FramePlan::new(settings.width, settings.height, gpu.limits().max_workgroups),
             seconds: Seconds { build: kernel.build_seconds, ..Seconds::default() },
             kernel,

@@ -3,9 +3,9 @@
 
 use bytemuck::Pod;
 
-use super::Settings;
 use super::kernel::Kernel;
-use crate::error::Result;
+use super::{Settings, memory};
+use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
 use crate::layout::{FrameConstants, WORKGROUP, address};
 use crate::scene::Scene;
@@ -23,7 +23,9 @@ impl Probe {
     /// Makes the kernel `shaders/<name>.glsl` for a scene and the backend of `settings`.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
-        let kernel = Kernel::new(gpu, scene, settings, &module)?;
+        settings.check(gpu)?;
+        memory::check_scene(gpu, scene, settings)?;
+        let kernel = Kernel::new(gpu, scene, settings, &module, &|_| {})?;
         Ok(Self {
             gpu: gpu.clone(),
             kernel,
@@ -43,6 +45,12 @@ impl Probe {
 
     /// The same on buffers that are already there.
     pub fn run_on(&self, from: &Buffer, to: &Buffer, count: u32) -> Result<Work> {
+        let (workgroups, most) = (count.div_ceil(WORKGROUP).max(1), self.gpu.limits().max_workgroups);
+        if workgroups > most {
+            let (name, device) = (&self.name, &self.gpu.survey().name);
+            let fit = u64::from(most) * u64::from(WORKGROUP);
+            return Err(Error::Usage(format!("{name} over {count} elements: {device} runs {fit} at once")));
+        }
         let constants = FrameConstants {
             film: address(to.address()),
             lengths: address(from.address()),
@@ -55,7 +63,6 @@ impl Probe {
         };
         let kernel = &self.kernel;
         self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
-            let workgroups = count.div_ceil(WORKGROUP).max(1);
             commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
             commands.barrier();
         })

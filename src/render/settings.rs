@@ -1,7 +1,9 @@
 //! What to render with.
 
 use crate::backend::Backend;
+use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
+use crate::gpu::Gpu;
 use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -131,6 +133,8 @@ pub struct Settings {
     pub specialise: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
+    /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
+    pub chunk: usize,
 }
 
 impl Settings {
@@ -149,6 +153,7 @@ impl Settings {
             lengths: 0,
             specialise: true,
             expected_samples: u64::MAX,
+            chunk: CHUNK,
         }
     }
 
@@ -162,7 +167,9 @@ impl Settings {
         Ok(scene.camera(self.camera.as_deref())?.image_plane(self.width, self.height))
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    /// Fails where they make no sense, or the device lacks the backend.
+    pub(super) fn check(&self, gpu: &Gpu) -> Result<()> {
+        gpu.require(self.backend)?;
         let bad = |what: String| Err(Error::Usage(what));
         if self.width == 0 || self.height == 0 || self.width > 65536 || self.height > 65536 {
             return bad(format!(

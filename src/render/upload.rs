@@ -4,6 +4,7 @@ use glam::{DAffine3, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
 use super::settings::Settings;
+use super::watch::{Building, Watch};
 use crate::backend::Backend;
 use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
@@ -47,7 +48,7 @@ struct Built {
 }
 
 impl Uploaded {
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let needs = settings.needs(scene);
         let inline_fits = settings.backend == Backend::Bvh
             && settings.specialise
@@ -56,9 +57,10 @@ impl Uploaded {
             && scene.primitives.len() <= INLINE_MAX as usize
             && settings.expected_samples >= INLINE_WORTHWHILE;
         let mut built = match settings.backend {
-            Backend::Bvh => build_bvh(scene, &needs),
-            Backend::RayQuery => build_ray_query(gpu, scene)?,
+            Backend::Bvh => build_bvh(scene, &needs, settings.chunk, watch),
+            Backend::RayQuery => build_ray_query(gpu, scene, watch)?,
         };
+        watch(Building { doing: "uploading the scene", share: 0.0 });
         let mut buffers = Vec::new();
         // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
         let primitives = Buffer::gathered(gpu, "primitives", &scene.primitives, &built.order)?;
@@ -206,21 +208,21 @@ fn instance(to_world: &DAffine3, root: u32, first_primitive: u32) -> layout::Ins
     layout::Instance { world0, world1, world2, object0, object1, object2, root, first_primitive, moved }
 }
 
-fn build_bvh(scene: &Scene, needs: &Needs) -> Built {
+fn build_bvh(scene: &Scene, needs: &Needs, chunk: usize, watch: Watch) -> Built {
     let mut order = Vec::with_capacity(scene.primitives.len());
     let mut trees = Vec::new();
     for group in &scene.groups {
         let range = group.primitives();
-        let tree = Bvh::build(&scene.primitives[range.clone()]);
-        order.extend(tree.order.iter().map(|slot| range.start as u32 + slot));
+        let told = |count| watch(Building::tree(range.start + count, scene.primitives.len()));
+        told(0);
+        let mut tree = Bvh::build_in_chunks(&scene.primitives[range.clone()], chunk, &told);
+        order.extend(std::mem::take(&mut tree.order).into_iter().map(|slot| range.start as u32 + slot));
         trees.push(tree);
     }
     let top = needs.instances.then(|| {
-        let boxes: Vec<Bounds> = scene
-            .instances
-            .iter()
-            .map(|placed| transform_bounds(&placed.to_world, scene.group_bounds(&scene.groups[placed.group])))
-            .collect();
+        let bounds: Vec<Bounds> = scene.groups.iter().map(|group| scene.group_bounds(group)).collect();
+        let boxes: Vec<Bounds> =
+            scene.instances.iter().map(|placed| transform_bounds(&placed.to_world, bounds[placed.group])).collect();
         Bvh::build(&boxes)
     });
     let instance_order = top.as_ref().map_or(vec![0], |top| top.order.clone());
@@ -271,11 +273,17 @@ fn transform_bounds(to_world: &DAffine3, bounds: Bounds) -> Bounds {
     Bounds { min: out.min - margin, max: out.max + margin }
 }
 
-fn build_ray_query(gpu: &Gpu, scene: &Scene) -> Result<Built> {
-    let most =
-        usize::try_from(gpu.limits().max_blas_primitives.saturating_sub(1)).unwrap_or(usize::MAX).clamp(1, 1 << 28);
+/// The most primitives of one bottom-level structure.
+pub(super) fn most_in_part(gpu: &Gpu) -> usize {
+    usize::try_from(gpu.limits().max_blas_primitives.saturating_sub(1)).unwrap_or(usize::MAX).clamp(1, 1 << 28)
+}
+
+fn build_ray_query(gpu: &Gpu, scene: &Scene, watch: Watch) -> Result<Built> {
+    let most = most_in_part(gpu);
     let mut parts = Vec::new();
     let mut parts_of_group = Vec::new();
+    let mut done = 0;
+    watch(Building::tree(0, scene.primitives.len()));
     for group in &scene.groups {
         let mut mine = Vec::new();
         for range in [group.triangles.clone(), group.spheres.clone()] {
@@ -284,6 +292,8 @@ fn build_ray_query(gpu: &Gpu, scene: &Scene) -> Result<Built> {
                 let kind = if chunk[0].surface & SPHERE_BIT != 0 { "spheres" } else { "triangles" };
                 mine.push((parts.len(), range.start + (index * most) as u32));
                 parts.push(Blas::build(gpu, &format!("{} of '{}'", kind, group.name), chunk)?);
+                done += chunk.len();
+                watch(Building::tree(done, scene.primitives.len()));
             }
         }
         parts_of_group.push(mine);

@@ -15,6 +15,9 @@ use crate::layout::{
     TANGENT_BIT, UV_BIT,
 };
 
+/// The corners of a primitive without vertex attributes.
+const NO_CORNERS: Corners = Corners { i0: NONE, i1: NONE, i2: NONE };
+
 /// What a group is made of, in double precision.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
@@ -43,6 +46,7 @@ pub(super) struct Emitter {
 /// The flat arrays while they grow.
 pub(super) struct Flat {
     pub primitives: Vec<Primitive>,
+    /// Of the primitives up to the last one that has any; empty where none has, which most of the largest scenes are like.
     pub corners: Vec<Corners>,
     /// Vertices that have any attribute so far: where the next one's attributes go.
     pub vertices: usize,
@@ -137,7 +141,6 @@ impl Flat {
             let v1 = [radius, mirror as f32, 0.0];
             let v2 = turn.xyz().as_vec3().to_array();
             self.primitives.push(Primitive { v0: centre.into(), v1, v2, surface: surface as u32 | SPHERE_BIT });
-            self.corners.push(Corners { i0: NONE, i1: NONE, i2: NONE });
             if emits {
                 let radiance = self.surfaces[surface].emission;
                 let light = Light {
@@ -210,9 +213,10 @@ impl Flat {
     /// Brings the attributes that some meshes have to the same length for all.
     pub fn close_attributes(&mut self) {
         let count = self.vertices;
-        if count == 0 {
-            self.corners = Vec::new();
+        if count > 0 {
+            self.corners.resize(self.primitives.len(), NO_CORNERS);
         }
+        self.primitives.shrink_to_fit();
         if !self.normals.is_empty() {
             self.normals.resize(count, [0.0; 3]);
         }
@@ -251,6 +255,11 @@ impl Flat {
         let smooth = flags & SMOOTH_BIT;
         let has_attributes = self.vertices as u32 > first_normal;
         self.triangles_seen += mesh.triangles.len();
+        self.primitives.reserve(mesh.triangles.len());
+        if has_attributes {
+            self.corners.resize(self.primitives.len(), NO_CORNERS);
+            self.corners.reserve(mesh.triangles.len());
+        }
         for (index, triangle) in mesh.triangles.iter().enumerate() {
             if let Some(bad) = triangle.iter().find(|vertex| **vertex as usize >= positions.len()) {
                 return Err(wrong(format!(
@@ -287,7 +296,10 @@ impl Flat {
                 surface: surface as u32 & SURFACE_MASK | flags,
             });
             let corner = |vertex: u32| if has_attributes { first_normal + vertex } else { NONE };
-            self.corners.push(Corners { i0: corner(triangle[0]), i1: corner(triangle[1]), i2: corner(triangle[2]) });
+            if has_attributes {
+                let [i0, i1, i2] = triangle.map(corner);
+                self.corners.push(Corners { i0, i1, i2 });
+            }
             if emits {
                 let radiance = self.surfaces[surface].emission;
                 let light = Light {

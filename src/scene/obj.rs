@@ -101,15 +101,16 @@ fn parse_colour(text: &str) -> Option<[f32; 3]> {
 }
 
 fn to_mesh(mesh: tobj::Mesh) -> Mesh {
-    let vectors = |numbers: &[f64]| numbers.chunks_exact(3).map(DVec3::from_slice).collect::<Vec<_>>();
-    Mesh {
-        positions: vectors(&mesh.positions),
-        normals: vectors(&mesh.normals).into_iter().map(|normal| normal.as_vec3()).collect::<Vec<Vec3>>(),
-        uvs: mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0] as f32, uv[1] as f32)).collect(),
-        tangents: Vec::new(),
-        colours: Vec::new(),
-        triangles: mesh.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect(),
-    }
+    // Each array goes as soon as it is taken over: a large mesh is not held twice.
+    let tobj::Mesh { positions, normals, texcoords, indices, .. } = mesh;
+    let triangles = indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]]).collect();
+    drop(indices);
+    let uvs = texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0] as f32, uv[1] as f32)).collect();
+    drop(texcoords);
+    let single: Vec<Vec3> = normals.chunks_exact(3).map(|normal| DVec3::from_slice(normal).as_vec3()).collect();
+    drop(normals);
+    let positions = positions.chunks_exact(3).map(DVec3::from_slice).collect();
+    Mesh { positions, normals: single, uvs, tangents: Vec::new(), colours: Vec::new(), triangles }
 }
 
 fn read(path: &Path, mut reader: Lines, materials: impl Fn(&Path) -> tobj::MTLLoadResult) -> Result<Models> {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
 
 use super::Mesh;
 use crate::error::{Error, Result};
@@ -27,37 +27,36 @@ pub fn read(path: &Path) -> Result<Mesh> {
                         return Err(Error::scene(path, format!("the element 'vertex' has no property '{needed}'")));
                     }
                 }
-                let vertices =
-                    Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
-                if ["nx", "ny", "nz"].iter().all(|name| element.properties.contains_key(*name)) {
-                    mesh.normals = vertices.iter().map(|vertex| vertex.normal).collect();
-                }
-                if [["u", "v"], ["s", "t"]]
-                    .iter()
-                    .any(|pair| pair.iter().all(|name| element.properties.contains_key(*name)))
-                {
-                    mesh.uvs = vertices.iter().map(|vertex| vertex.uv).collect();
-                }
-                mesh.positions = vertices.iter().map(|vertex| vertex.position).collect();
+                let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
+                let (has_normals, has_uvs) = (has(&["nx", "ny", "nz"]), has(&["u", "v"]) || has(&["s", "t"]));
+                in_batches(&mut reader, element, &header, |_, vertex: Vertex| {
+                    mesh.positions.push(vertex.position);
+                    if has_normals {
+                        mesh.normals.push(vertex.normal);
+                    }
+                    if has_uvs {
+                        mesh.uvs.push(vertex.uv);
+                    }
+                    Ok(())
+                })
+                .map_err(|error| error.located(path))?;
             }
             "face" => {
                 has_faces = true;
-                let faces =
-                    Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
-                for (index, face) in faces.iter().enumerate() {
-                    let [first, rest @ ..] = &face.0[..] else { continue };
+                in_batches(&mut reader, element, &header, |index, face: Face| {
+                    let [first, rest @ ..] = &face.0[..] else { return Ok(()) };
                     if rest.len() < 2 {
-                        return Err(Error::scene(
-                            path,
-                            format!("face {index} has {} vertices, and needs three or more", face.0.len()),
-                        ));
+                        return Err(format!("face {index} has {} vertices, and needs three or more", face.0.len()));
                     }
                     mesh.triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-                }
+                    Ok(())
+                })
+                .map_err(|error| error.located(path))?;
             }
             _ => {
                 // Something else, such as edges: read past it.
-                Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
+                in_batches(&mut reader, element, &header, |_, _: Skipped| Ok(()))
+                    .map_err(|error| error.located(path))?;
             }
         }
     }
@@ -69,6 +68,44 @@ pub fn read(path: &Path) -> Result<Mesh> {
     }
     mesh.check_indices(path)?;
     Ok(mesh)
+}
+
+/// Elements that are held at once as the parser returns them: each face is a list of its own there, which takes several times
+/// the memory that its triangles do.
+const BATCH: usize = 1 << 16;
+
+/// Why an element could not be taken in.
+enum Refusal {
+    Unreadable(ParseError),
+    Wrong(String),
+}
+
+impl Refusal {
+    fn located(&self, path: &Path) -> Error {
+        match self {
+            Self::Unreadable(error) => parse_error(path, error),
+            Self::Wrong(message) => Error::scene(path, message),
+        }
+    }
+}
+
+/// Reads all elements of one kind, and hands each on with its number.
+fn in_batches<E: PropertyAccess>(
+    reader: &mut Reader<BufReader<File>>,
+    element: &ElementDef,
+    header: &Header,
+    mut take: impl FnMut(usize, E) -> Result<(), String>,
+) -> Result<(), Refusal> {
+    let parser = Parser::<E>::new();
+    let mut part = element.clone();
+    for first in (0..element.count).step_by(BATCH) {
+        part.count = BATCH.min(element.count - first);
+        let read = parser.read_payload_for_element(reader, &part, header).map_err(Refusal::Unreadable)?;
+        for (index, item) in read.into_iter().enumerate() {
+            take(first + index, item).map_err(Refusal::Wrong)?;
+        }
+    }
+    Ok(())
 }
 
 /// The parser's error as one line: its own first line, and the text that it could not read.

@@ -1,10 +1,12 @@
 //! Progress of a rendering: a bar on a terminal, a plain line now and then elsewhere.
 
 use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use lumbre::render::Renderer;
+use lumbre::render::{Building, Renderer};
 
 use super::Job;
 
@@ -12,6 +14,63 @@ use super::Job;
 const INTERVAL: f64 = 10.0;
 /// Seconds before the first of them.
 const FIRST_LINE: f64 = 2.0;
+/// Seconds that building a scene may take before a bar appears: most scenes are done by then.
+const FIRST_BAR: f64 = 1.0;
+
+/// A bar of a thousand steps on standard error, where that is a terminal.
+fn bar_on_terminal() -> Option<ProgressBar> {
+    std::io::stderr().is_terminal().then(|| {
+        let bar = ProgressBar::new(1000);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
+            bar.set_style(style);
+        }
+        bar
+    })
+}
+
+/// Progress of what comes before rendering: the acceleration structure and the upload.
+pub(super) struct BuildProgress {
+    quiet: bool,
+    started: Instant,
+    shown: Mutex<Shown>,
+}
+
+/// What the user sees of it.
+struct Shown {
+    bar: Option<ProgressBar>,
+    next_line: f64,
+}
+
+impl BuildProgress {
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, started: Instant::now(), shown: Mutex::new(Shown { bar: None, next_line: FIRST_LINE }) }
+    }
+
+    /// Takes note, from any thread.
+    pub fn update(&self, building: Building) {
+        let seconds = self.started.elapsed().as_secs_f64();
+        if self.quiet || seconds < FIRST_BAR {
+            return;
+        }
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        if shown.bar.is_none() {
+            shown.bar = bar_on_terminal();
+        }
+        if let Some(bar) = &shown.bar {
+            bar.set_position((building.share * 1000.0) as u64);
+            bar.set_message(building.doing);
+        } else if seconds >= shown.next_line {
+            eprintln!("{}, {:.0} %", building.doing, 100.0 * building.share);
+            shown.next_line = seconds + INTERVAL;
+        }
+    }
+
+    pub fn finish(self) {
+        if let Some(bar) = self.shown.into_inner().unwrap_or_else(PoisonError::into_inner).bar {
+            bar.finish_and_clear();
+        }
+    }
+}
 
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
@@ -23,13 +82,7 @@ pub(super) struct Progress {
 
 impl Progress {
     pub fn new(quiet: bool, job: &Job) -> Self {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
-            let bar = ProgressBar::new(1000);
-            if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
-                bar.set_style(style);
-            }
-            bar
-        });
+        let bar = if quiet { None } else { bar_on_terminal() };
         Self { bar, quiet, spp: job.spp, time: job.time, next_line: FIRST_LINE }
     }
 
