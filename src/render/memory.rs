@@ -257,6 +257,7 @@ impl Table {
         self.list("textures", &scene.textures);
         self.list("tables", &scene.tables);
         self.list("lights", &scene.lights);
+        self.list("light tree", &scene.light_tree.nodes);
         if settings.filter != Filter::Box {
             self.list("pixel filter", &settings.filter.cells());
         }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::camera::Camera;
-use super::flatten::{Flat, PendingGroup, Shape};
+use super::flatten::{Flat, PendingGroup, Shape, union};
 use super::light::{Lamp, importance};
 use super::light_table::{self, Candidate, LightSelection};
 use super::material::{self, MaterialDescription, file_materials};
@@ -387,34 +387,30 @@ impl SceneBuilder {
             .map_or(1.0, |texture| *brightness.entry(texture).or_insert_with(|| importance(self.texture_mean(texture))))
     }
 
-    /// The box around everything that is placed, in world coordinates; nothing where there is no geometry.
+    /// The box around everything that is placed, in world coordinates; nothing where there is no geometry. A group that is
+    /// placed more than once counts by its box, not by its vertices, which may be many times all that the scene holds.
     fn world_extent(&self) -> Result<Option<(DVec3, DVec3)>> {
-        let mut all: Option<(DVec3, DVec3)> = None;
-        let mut place = |group: usize, to_world: &DAffine3| {
-            for (shape, _, _) in &self.groups[group].shapes {
-                let mut include = |point: DVec3, reach: DVec3| {
-                    let (min, max) = all.get_or_insert((point - reach, point + reach));
-                    (*min, *max) = (min.min(point - reach), max.max(point + reach));
-                };
-                match shape {
-                    Shape::Mesh { mesh, to_group } => {
-                        let map = *to_world * *to_group;
-                        mesh.positions
-                            .iter()
-                            .for_each(|position| include(map.transform_point3(*position), DVec3::ZERO));
-                    }
-                    Shape::Sphere { centre, radius, .. } => {
-                        let rows = to_world.matrix3.transpose();
-                        let reach =
-                            DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * radius.abs();
-                        include(to_world.transform_point3(*centre), reach);
-                    }
-                }
-            }
-        };
-        place(WORLD, &DAffine3::IDENTITY);
+        let mut placements = vec![0usize; self.groups.len()];
+        self.instances.iter().for_each(|(group, _)| placements[*group] += 1);
+        let boxes: Vec<Option<(DVec3, DVec3)>> = self
+            .groups
+            .iter()
+            .zip(&placements)
+            .map(|(group, count)| if *count > 1 { group.extent(&DAffine3::IDENTITY) } else { None })
+            .collect();
+        let mut all = self.groups[WORLD].extent(&DAffine3::IDENTITY);
         for (group, to_world) in &self.instances {
-            place(*group, to_world);
+            let placed = match boxes[*group] {
+                Some((min, max)) => {
+                    let corner = |index: usize| {
+                        let pick = |axis: usize| if index >> axis & 1 == 0 { min[axis] } else { max[axis] };
+                        to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
+                    };
+                    (0..8).map(|index| (corner(index), corner(index))).reduce(union)
+                }
+                None => self.groups[*group].extent(to_world),
+            };
+            all = all.into_iter().chain(placed).reduce(union);
         }
         match all {
             Some((min, max))

@@ -32,6 +32,31 @@ pub(super) struct PendingGroup {
     pub shapes: Vec<(Shape, usize, String)>,
 }
 
+/// The box around two boxes.
+pub(super) fn union(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+impl PendingGroup {
+    /// The box around its shapes once they are placed; nothing where it has none.
+    pub fn extent(&self, to_world: &DAffine3) -> Option<(DVec3, DVec3)> {
+        let of = |shape: &Shape| match shape {
+            Shape::Mesh { mesh, to_group } => {
+                let map = *to_world * *to_group;
+                let points = mesh.positions.iter().map(|position| map.transform_point3(*position));
+                points.map(|point| (point, point)).reduce(union)
+            }
+            Shape::Sphere { centre, radius, .. } => {
+                let rows = to_world.matrix3.transpose();
+                let reach = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length()) * radius.abs();
+                let centre = to_world.transform_point3(*centre);
+                Some((centre - reach, centre + reach))
+            }
+        };
+        self.shapes.iter().filter_map(|(shape, _, _)| of(shape)).reduce(union)
+    }
+}
+
 /// A primitive that emits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
