@@ -73,6 +73,14 @@ pub enum Error {
         work: String,
     },
 
+    /// The user stopped it; the text says what is kept.
+    #[error("interrupted: {0}")]
+    Interrupted(String),
+
+    /// A bench found something worse than before.
+    #[error("{0}")]
+    Regression(String),
+
     /// A Vulkan validation message, where validation was asked for.
     #[error("Vulkan validation: {0}")]
     Validation(String),

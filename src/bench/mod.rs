@@ -3,6 +3,7 @@
 //! [`run`] measures every [`Subject`] of a scene with several seeds, in turn, and keeps each run as a file so that an
 //! interrupted bench goes on where it stopped; [`summary`] makes [`results::Results`] of the runs.
 
+pub mod against;
 mod measure;
 pub mod reference;
 pub mod results;

@@ -1,5 +1,6 @@
 //! One file per sub-command; this one parses, dispatches and reports errors.
 
+mod bench;
 mod compare;
 mod devices;
 mod info;
@@ -30,6 +31,8 @@ struct Cli {
 enum Command {
     /// Render a scene
     Render(render::RenderArgs),
+    /// Measure speed against error: techniques, backends and options, with intervals
+    Bench(bench::BenchArgs),
     /// Compare an image with a reference
     Compare(compare::CompareArgs),
     /// Measure raw ray throughput: primary, shadow and diffuse-bounce rays
@@ -136,6 +139,7 @@ pub fn main() -> u8 {
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Rays(args) => rays::run(&args),
         Command::Info(args) => info::run(&args),

@@ -102,9 +102,9 @@ pub(super) struct RenderArgs {
 
 /// `--max-depth`: a number of segments, or nothing for no limit.
 #[derive(Clone, Copy)]
-struct Depth(Option<u32>);
+pub(super) struct Depth(pub Option<u32>);
 
-fn parse_depth(text: &str) -> Result<Depth, String> {
+pub(super) fn parse_depth(text: &str) -> Result<Depth, String> {
     match text.parse::<i64>() {
         Ok(-1) => Ok(Depth(None)),
         Ok(depth @ 0..=0xffff_fffe) => Ok(Depth(u32::try_from(depth).ok())),
@@ -120,7 +120,7 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| String::from("it must be WIDTHxHEIGHT, each 1 to 65536"))
 }
 
-fn parse_seconds(text: &str) -> Result<f64, String> {
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
         .filter(|seconds| *seconds > 0.0 && seconds.is_finite())
@@ -269,7 +269,7 @@ fn has_delta_lights(scene: &Scene) -> bool {
 }
 
 /// A flag that Ctrl-C and SIGTERM set: what was rendered is kept. The second one ends the process at once.
-fn listen_for_interrupts() -> Arc<AtomicBool> {
+pub(super) fn listen_for_interrupts() -> Arc<AtomicBool> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = interrupted.clone();
     // Without a handler an interrupt ends the process, which loses the image but nothing else.

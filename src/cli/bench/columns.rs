@@ -1,0 +1,148 @@
+//! The columns of a bench: techniques x backends, and once more with each ablation.
+
+use std::collections::HashSet;
+
+use lumbre::backend::Backend;
+use lumbre::bench::{Lumbre, Variant};
+use lumbre::error::{Error, Result, one_of};
+use lumbre::gpu::Gpu;
+use lumbre::integrator::{Bias, INTEGRATORS, Solves};
+use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT};
+use lumbre::render::{Settings, Technique};
+use lumbre::scene::{LightSelection, Scene};
+
+use super::super::choose_backend;
+use super::Entry;
+
+/// The seed of references: no bench has so many runs.
+const REFERENCE_SEED: u32 = 0xffff_fff0;
+
+/// Something that is changed to see what it buys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ablation {
+    NoSpecialise,
+    Lights(LightSelection),
+}
+
+/// Every ablation, by its name on the command line.
+const ABLATIONS: [(&str, Ablation); 3] = [
+    ("no-specialise", Ablation::NoSpecialise),
+    ("lights=power", Ablation::Lights(LightSelection::Power)),
+    ("lights=tree", Ablation::Lights(LightSelection::Tree)),
+];
+
+pub(super) fn parse_ablations(names: &[String]) -> Result<Vec<(&'static str, Ablation)>> {
+    let find = |name: &String| {
+        ABLATIONS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
+            Error::Usage(format!("no ablation '{name}': valid are {}", one_of(ABLATIONS.map(|(known, _)| known))))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// One column.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    pub name: String,
+    technique: Technique,
+    backend: Backend,
+    ablation: Option<(&'static str, Ablation)>,
+}
+
+impl Column {
+    /// All columns; two of the same name get numbers.
+    pub fn all(
+        techniques: &[Technique],
+        backends: &[String],
+        ablations: &[(&'static str, Ablation)],
+        gpu: &Gpu,
+    ) -> Result<Vec<Self>> {
+        let backends = backends.iter().map(|name| choose_backend(name, gpu)).collect::<Result<Vec<_>>>()?;
+        let mut names = HashSet::new();
+        let mut all = Vec::new();
+        for technique in techniques {
+            for backend in &backends {
+                for ablation in std::iter::once(None).chain(ablations.iter().copied().map(Some)) {
+                    let option = ablation.map_or(String::new(), |(name, _)| format!(", {name}"));
+                    let plain = format!("{} on {}{option}", technique.describe(), backend.name());
+                    let name = (1..).map(|n| if n == 1 { plain.clone() } else { format!("{plain} #{n}") });
+                    let name = name.into_iter().find(|name| names.insert(name.clone())).unwrap_or_default();
+                    all.push(Self { name, technique: technique.clone(), backend: *backend, ablation });
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The column for a scene; `reload` reads the scene anew with another selection of lights.
+    pub fn variant(
+        &self,
+        gpu: &Gpu,
+        entry: &Entry,
+        reload: &dyn Fn(LightSelection) -> Result<Scene>,
+    ) -> Result<Variant> {
+        let row = self.technique.row;
+        let mut settings = Settings {
+            technique: self.technique.clone(),
+            backend: self.backend,
+            rr_depth: entry.scene.technique.rr_depth.unwrap_or(row.rr_depth),
+            ..entry.settings.clone()
+        };
+        let mut options = Vec::new();
+        let mut scene = None;
+        if let Some((name, ablation)) = self.ablation {
+            options.push(name.to_owned());
+            match ablation {
+                Ablation::NoSpecialise => settings.specialise = false,
+                Ablation::Lights(how) => scene = Some(reload(how)?),
+            }
+        }
+        let subject = Lumbre::new(gpu, scene.as_ref().unwrap_or(&entry.scene), &settings, entry.load)?;
+        Ok(Variant {
+            name: self.name.clone(),
+            technique: self.technique.describe(),
+            backend: self.backend.name().to_owned(),
+            options,
+            bias: bias(&self.technique, entry),
+            subject: Box::new(subject),
+        })
+    }
+}
+
+/// What the image of a technique lacks against the reference; empty where it lacks nothing.
+fn bias(technique: &Technique, entry: &Entry) -> String {
+    let row = technique.row;
+    let mut all = Vec::new();
+    if let Bias::Biased(why) = row.bias {
+        all.push(why);
+    }
+    if technique.value("form") == Some("biased") {
+        all.push("its biased form ends paths at the first light or at a fixed length");
+    }
+    if row.solves == Solves::Direct && entry.settings.technique.row.solves != Solves::Direct {
+        all.push("accounts for emission and direct light only");
+    }
+    let delta = [LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROJECTOR];
+    if !row.sees_delta_lights && entry.scene.lights.iter().any(|light| delta.contains(&light.kind)) {
+        all.push("does not see point, spot and directional lights");
+    }
+    all.join("; ")
+}
+
+/// The technique of references: an unbiased one that accounts for what the columns account for.
+pub(super) fn reference_technique(techniques: &[Technique]) -> Result<Technique> {
+    let solves = if techniques.iter().all(|technique| technique.row.solves == Solves::Direct) {
+        Solves::Direct
+    } else {
+        Solves::Everything
+    };
+    let row =
+        INTEGRATORS.iter().find(|row| row.solves == solves && row.bias == Bias::Unbiased && row.sees_delta_lights);
+    Technique::parse(row.map_or("path", |row| row.name))
+}
+
+/// The settings of a reference: on the fastest backend, with a seed of its own.
+pub(super) fn reference_settings(settings: &Settings, gpu: &Gpu) -> Settings {
+    let backend = choose_backend("auto", gpu).unwrap_or(Backend::Bvh);
+    Settings { backend, seed: REFERENCE_SEED, ..settings.clone() }
+}

@@ -1,0 +1,356 @@
+//! `lumbre bench`: speed against error.
+
+mod columns;
+mod host;
+mod table;
+
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use clap::Args;
+
+use lumbre::bench::reference::{self, Recipe};
+use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
+use lumbre::bench::stats::CONFIDENCE;
+use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
+use lumbre::error::{Error, Result};
+use lumbre::gpu::Gpu;
+use lumbre::output::{Picture, check_writable, replace_file, write_picture};
+use lumbre::render::{Settings, Technique, kernels_fingerprint};
+use lumbre::scene::{LightSelection, LoadOptions, Scene};
+
+use super::render::{Depth, listen_for_interrupts, parse_depth, parse_seconds, parse_size};
+use super::{DeviceArgs, parse_define, print, print_warnings};
+use columns::{Column, reference_technique};
+
+#[derive(Args)]
+pub(super) struct BenchArgs {
+    /// Scene files. None compares the folder's earlier bench with --against
+    #[arg(value_name = "SCENE", required_unless_present = "against")]
+    scenes: Vec<PathBuf>,
+
+    /// Techniques, separated by commas, each with its parameters as NAME:PARAMETER=VALUE
+    #[arg(short = 'i', long, value_name = "LIST", value_delimiter = ',', default_value = "path")]
+    integrator: Vec<String>,
+
+    /// Ray backends, separated by commas
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "auto")]
+    backend: Vec<String>,
+
+    /// Ablations, separated by commas: each technique and backend once more with it. no-specialise, lights=power, lights=tree
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    ablate: Vec<String>,
+
+    /// Seconds of rendering per run
+    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
+    time: Option<f64>,
+
+    /// Samples per pixel of each run instead
+    #[arg(short = 'n', long, value_name = "SPP", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
+    spp: Option<u32>,
+
+    /// Independent runs of each variant
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000), allow_negative_numbers = true)]
+    seeds: u32,
+
+    /// Image that stands for the truth, one per scene; without it one is made. An EXR layer `variance` says how noisy it is
+    #[arg(long, value_name = "FILE")]
+    reference: Vec<PathBuf>,
+
+    /// Samples per pixel of a reference that is made
+    #[arg(long, value_name = "SPP", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..))]
+    reference_spp: u32,
+
+    /// Size of the images in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+
+    /// Longest path in segments (1: emission only, 2: adds direct light); -1 is no limit
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_depth)]
+    max_depth: Option<Depth>,
+
+    /// Set a parameter of Mitsuba scenes
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
+    defines: Vec<(String, String)>,
+
+    /// Compare with the results.json of an earlier bench; exit with status 1 where something got worse
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
+
+    /// By how many per cent something must be worse to count, beyond noise
+    #[arg(long, value_name = "PERCENT", default_value_t = 5.0, value_parser = parse_percent, requires = "against")]
+    threshold: f64,
+
+    /// Folder for index.html, results.json, results.csv and images
+    #[arg(short = 'o', long, value_name = "DIR", default_value = "bench")]
+    output: PathBuf,
+
+    /// Replace what the folder holds of another bench
+    #[arg(long)]
+    fresh: bool,
+
+    #[command(flatten)]
+    device: DeviceArgs,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn parse_percent(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=1000.0).contains(number));
+    number.ok_or_else(|| String::from("it must be a number from 0 to 1000"))
+}
+
+/// A scene with what it is compared with.
+struct Entry {
+    name: String,
+    file: PathBuf,
+    scene: Scene,
+    load: f64,
+    settings: Settings,
+    given: Option<(PathBuf, Truth)>,
+}
+
+pub(super) fn run(args: &BenchArgs) -> Result<()> {
+    let old = args.against.as_deref().map(Results::read).transpose()?;
+    if args.scenes.is_empty() {
+        let new = Results::read(&args.output.join("results.json"))?;
+        return conclude(old.as_ref(), &new, args);
+    }
+    let interrupted = listen_for_interrupts();
+    let limits = Limits {
+        seeds: args.seeds,
+        seconds: if args.spp.is_none() { Some(args.time.unwrap_or(5.0)) } else { None },
+        spp: args.spp,
+    };
+    // Whatever is wrong is said before anything is rendered.
+    let techniques = args.integrator.iter().map(|name| Technique::parse(name)).collect::<Result<Vec<_>>>()?;
+    let ablations = columns::parse_ablations(&args.ablate)?;
+    if !args.reference.is_empty() && args.reference.len() != args.scenes.len() {
+        return Err(Error::Usage(format!(
+            "{} references for {} scenes: give one for each, in the same order, or none",
+            args.reference.len(),
+            args.scenes.len()
+        )));
+    }
+    let entries = read_scenes(args, &techniques)?;
+    let gpu = args.device.open()?;
+    let columns = Column::all(&techniques, &args.backend, &ablations, &gpu)?;
+    prepare_folder(args, &entries, &columns, &gpu, limits)?;
+
+    let started = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
+    let mut results = Results {
+        schema: SCHEMA.to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        command: host::command_line(),
+        started,
+        device: host::device(&gpu),
+        seeds: args.seeds,
+        seconds: limits.seconds,
+        spp: limits.spp,
+        confidence: CONFIDENCE,
+        scenes: Vec::new(),
+    };
+    for entry in &entries {
+        let stop = || {
+            if interrupted.load(Ordering::Relaxed) {
+                let folder = args.output.display();
+                return Err(Error::Interrupted(format!(
+                    "what was measured is kept in {folder}; the same command goes on"
+                )));
+            }
+            Ok(())
+        };
+        results.scenes.push(bench_scene(args, entry, &columns, &gpu, limits, &stop)?);
+        write_results(&args.output, &results)?;
+    }
+    DeviceArgs::report_validation(&gpu)?;
+    if !args.quiet {
+        table::print_results(&results);
+        print(&format!("wrote {}", args.output.join("index.html").display()));
+    }
+    conclude(old.as_ref(), &results, args)
+}
+
+/// Prints what changed against an older bench; an error where something got worse.
+fn conclude(old: Option<&Results>, new: &Results, args: &BenchArgs) -> Result<()> {
+    let Some(old) = old else { return Ok(()) };
+    let found = against::compare(old, new, args.threshold / 100.0);
+    if !args.quiet {
+        table::print_comparison(old, new, &found);
+    }
+    if found.has_regression() {
+        return Err(Error::Regression(format!(
+            "{} figures are worse than before by more than {} % beyond noise",
+            found.changes.iter().filter(|change| change.regression).count(),
+            args.threshold
+        )));
+    }
+    Ok(())
+}
+
+fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>> {
+    let mut names = HashSet::new();
+    let mut entries = Vec::new();
+    for (index, file) in args.scenes.iter().enumerate() {
+        let (scene, load) = lumbre::bench::subject::timed_load(|| load(args, file, LightSelection::Auto))?;
+        if !args.quiet {
+            print_warnings(&scene);
+        }
+        let mut settings = Settings::new(&scene, reference_technique(techniques)?, lumbre::backend::Backend::Bvh);
+        if let Some((width, height)) = args.size {
+            (settings.width, settings.height) = (width, height);
+        }
+        if let Some(Depth(depth)) = args.max_depth {
+            settings.max_depth = depth;
+        }
+        let given = match args.reference.get(index) {
+            Some(path) => Some((path.clone(), reference::read(path, settings.width, settings.height)?)),
+            None => None,
+        };
+        let stem = file.file_stem().map_or(String::from("scene"), |stem| stem.to_string_lossy().into_owned());
+        let name = (1..).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+        let name = name.into_iter().find(|name| names.insert(name.clone())).unwrap_or_default();
+        entries.push(Entry { name, file: file.clone(), scene, load, settings, given });
+    }
+    Ok(entries)
+}
+
+fn load(args: &BenchArgs, file: &Path, lights: LightSelection) -> Result<Scene> {
+    let defines =
+        if file.extension().is_some_and(|extension| extension == "xml") { args.defines.clone() } else { Vec::new() };
+    lumbre::scene::load(file, &LoadOptions { defines, lights })
+}
+
+/// Makes the folder; refuses one that holds another bench.
+fn prepare_folder(args: &BenchArgs, entries: &[Entry], columns: &[Column], gpu: &Gpu, limits: Limits) -> Result<()> {
+    let folder = &args.output;
+    for part in [folder.clone(), folder.join("runs"), folder.join("images")] {
+        std::fs::create_dir_all(&part)
+            .map_err(|error| Error::Usage(format!("cannot make {}: {error}", part.display())))?;
+    }
+    check_writable(&folder.join("results.json"))?;
+    let mut hasher = DefaultHasher::new();
+    for entry in entries {
+        fingerprint(entry, columns, gpu, limits).hash(&mut hasher);
+        (&entry.name, entry.given.is_some(), args.reference_spp).hash(&mut hasher);
+    }
+    let plan = format!("{:016x}", hasher.finish());
+    let path = folder.join("bench.plan");
+    match std::fs::read_to_string(&path) {
+        Ok(other) if other.trim() != plan && !args.fresh => Err(Error::Usage(format!(
+            "{} holds another bench, or one of other code: choose another folder, or add --fresh to replace it",
+            folder.display()
+        ))),
+        _ => replace_file(&path, |file| writeln!(file, "{plan}").map_err(|error| error.to_string())),
+    }
+}
+
+/// What the runs of a scene depend on.
+fn fingerprint(entry: &Entry, columns: &[Column], gpu: &Gpu, limits: Limits) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    entry.scene.hash_content(&mut hasher);
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    let survey = gpu.survey();
+    format!("{:?} {limits:?} {names:?} {} {}", entry.settings, survey.name, survey.driver).hash(&mut hasher);
+    kernels_fingerprint().hash(&mut hasher);
+    if let Some((_, truth)) = &entry.given {
+        bytemuck::cast_slice::<_, u8>(&truth.image.pixels).hash(&mut hasher);
+    }
+    hasher.finish()
+}
+
+fn bench_scene(
+    args: &BenchArgs,
+    entry: &Entry,
+    columns: &[Column],
+    gpu: &Gpu,
+    limits: Limits,
+    stop: &dyn Fn() -> Result<()>,
+) -> Result<SceneResults> {
+    let say = |text: String| {
+        if !args.quiet {
+            eprintln!("{}: {text}", entry.name);
+        }
+    };
+    let (truth, described) = obtain_reference(args, entry, gpu, stop, &say)?;
+    let mut variants = columns
+        .iter()
+        .map(|column| column.variant(gpu, entry, &|lights| load(args, &entry.file, lights)))
+        .collect::<Result<Vec<_>>>()?;
+    let bench = Bench {
+        folder: &args.output,
+        scene: &entry.name,
+        limits,
+        fingerprint: fingerprint(entry, columns, gpu, limits),
+        truth: &truth,
+    };
+    let summary = bench.results(&mut variants, |event| {
+        stop()?;
+        match event {
+            Event::Run(name, seed, index, of) => say(format!("run {} of {of}, {name}, seed {seed}", index + 1)),
+            Event::Kept(name, seed) => say(format!("{name}, seed {seed}: measured before")),
+            Event::Rows => say(String::from("images of equal time and equal samples")),
+        }
+        Ok(())
+    })?;
+    Ok(SceneResults {
+        name: entry.name.clone(),
+        file: entry.file.display().to_string(),
+        width: entry.settings.width,
+        height: entry.settings.height,
+        max_depth: entry.settings.max_depth.map_or(-1, i64::from),
+        triangles: entry.scene.groups.iter().map(|group| group.triangles.len() as u64).sum(),
+        lights: entry.scene.lights.len() as u64 + u64::from(entry.scene.background.is_some()),
+        reference: described,
+        variants: summary.variants,
+        pairs: summary.pairs,
+        equal_time: summary.equal_time,
+        equal_spp: summary.equal_spp,
+    })
+}
+
+/// The reference with its description; its picture goes to the folder.
+fn obtain_reference(
+    args: &BenchArgs,
+    entry: &Entry,
+    gpu: &Gpu,
+    stop: &dyn Fn() -> Result<()>,
+    say: &dyn Fn(String),
+) -> Result<(Truth, Reference)> {
+    let image = format!("images/{}-reference.exr", entry.name);
+    let picture = format!("images/{}-reference.png", entry.name);
+    let (truth, origin, made) = match &entry.given {
+        Some((path, truth)) => (truth.clone(), format!("given: {}", path.display()), None),
+        None => {
+            let settings = columns::reference_settings(&entry.settings, gpu);
+            let recipe = Recipe { scene: &entry.scene, settings, spp: args.reference_spp };
+            let folder = host::cache_folder(&args.output)?;
+            say(format!("reference by {}, {} spp", recipe.settings.technique.describe(), recipe.spp));
+            let (truth, cached) = recipe.obtain(gpu, &folder, |_| stop())?;
+            let made = (recipe.settings.technique.describe(), u64::from(recipe.spp));
+            (truth, String::from(if cached { "cached" } else { "made" }), Some(made))
+        }
+    };
+    let plain = || Picture { image: truth.image.clone(), layers: Vec::new(), header: Vec::new() };
+    write_picture(&args.output.join(&image), &plain())?;
+    write_picture(&args.output.join(&picture), &plain())?;
+    let described = Reference {
+        image,
+        picture,
+        origin,
+        technique: made.as_ref().map(|(technique, _)| technique.clone()),
+        spp: made.map(|(_, spp)| spp),
+        relmse: truth.relmse(),
+    };
+    Ok((truth, described))
+}
+
+fn write_results(folder: &Path, results: &Results) -> Result<()> {
+    let path = folder.join("results.json");
+    let text = serde_json::to_string_pretty(results).map_err(|error| Error::write(&path, error))?;
+    replace_file(&path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
+}
