@@ -1,5 +1,7 @@
 //! Reading files: images to compare, EXR (linear) and PNG (sRGB), and text of bounded size.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
@@ -11,13 +13,39 @@ use crate::output::{Format, format_of, srgb_to_linear};
 /// The most pixels that an image may have: a file's header can claim anything.
 const MAX_PIXELS: u64 = 1 << 28;
 
+/// Opens a file; folders, devices and pipes, which may have no end, are refused.
+pub(crate) fn open(path: &Path) -> Result<File> {
+    let meta = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+    if !meta.is_file() {
+        return Err(Error::read(path, "it is not a file"));
+    }
+    File::open(path).map_err(|error| Error::read(path, error))
+}
+
+/// The bytes of a file, unless it has more than `most`.
+pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let file = open(path)?;
+    let size = file.metadata().map_err(|error| Error::read(path, error))?.len();
+    let mut bytes = Vec::new();
+    // What is read counts, for a file may grow.
+    if size <= most {
+        bytes.reserve(size as usize);
+        file.take(most + 1).read_to_end(&mut bytes).map_err(|error| Error::read(path, error))?;
+    }
+    let size = size.max(bytes.len() as u64);
+    if size > most {
+        return Err(Error::scene(path, format!("the file has {size} bytes, and {most} is the most that is read")));
+    }
+    Ok(bytes)
+}
+
 /// The text of a file, unless it has more than `most` bytes.
 pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
-    let bytes = std::fs::metadata(path).map_err(|error| Error::read(path, error))?.len();
-    if bytes > most {
-        return Err(Error::scene(path, format!("the file has {bytes} bytes, and {most} is the most that is read")));
-    }
-    std::fs::read_to_string(path).map_err(|error| Error::read(path, error))
+    String::from_utf8(read_bytes(path, most)?).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
+        Error::scene_line(path, line, format!("the file is not text: byte {} is not UTF-8", good.len()))
+    })
 }
 
 /// The R, G and B channels of an image as linear values.

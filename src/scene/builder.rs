@@ -8,13 +8,14 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::camera::Camera;
 use super::flatten::{Flat, PendingGroup, Shape};
 use super::light::{Lamp, fill_alias_table, importance, power, triangle_area};
+use super::limits::{ELEMENTS, IMAGE_BYTES, MATERIALS};
 use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
-use super::texture::{Pattern, TextureDescription, TextureImage, srgb_table};
+use super::texture::{Pattern, Texels, TextureDescription, TextureImage, srgb_table};
 use super::{Environment, FilmSettings, Filter, Instance, Scene, TechniqueRequest, environment};
 use crate::bvh::Bounds;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::layout::{
     Blend, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION,
     Material, MaterialTextures, NONE, Surface,
@@ -74,6 +75,12 @@ pub struct SceneBuilder {
     surfaces: Vec<SurfaceDescription>,
     groups: Vec<PendingGroup>,
     instances: Vec<(usize, DAffine3)>,
+    /// Vertices and triangles so far.
+    elements: u64,
+    /// Bytes of images so far.
+    image_bytes: u64,
+    /// What there is too much of.
+    excess: Option<String>,
 }
 
 /// The group that everything belongs to that is placed once.
@@ -98,11 +105,28 @@ impl SceneBuilder {
             surfaces: Vec::new(),
             groups: vec![PendingGroup { name: String::from("world"), shapes: Vec::new() }],
             instances: Vec::new(),
+            elements: 0,
+            image_bytes: 0,
+            excess: None,
         }
     }
 
+    /// Fails where more was added than a scene may hold; what is beyond was not kept. [`Self::finish`] asks by itself.
+    pub(super) fn within_limits(&self) -> Result<()> {
+        self.excess.as_ref().map_or(Ok(()), |message| Err(Error::scene(&self.source, message)))
+    }
+
     /// Adds an image for textures to show.
-    pub fn image(&mut self, image: TextureImage) -> usize {
+    pub fn image(&mut self, mut image: TextureImage) -> usize {
+        self.image_bytes += image.bytes().len() as u64;
+        if self.image_bytes > IMAGE_BYTES {
+            let source = image.source.display();
+            self.excess.get_or_insert(format!(
+                "the images of the scene take {} bytes with {source}, and {IMAGE_BYTES} is the most that is read",
+                self.image_bytes
+            ));
+            (image.width, image.height, image.texels) = (1, 1, Texels::Srgb8(vec![[0; 4]]));
+        }
         self.images.push(image);
         self.images.len() - 1
     }
@@ -151,17 +175,36 @@ impl SceneBuilder {
 
     /// A copy of a material, and of those that it blends, whose textures are changed.
     pub(super) fn changed_material(&mut self, material: usize, change: impl Fn(&mut MaterialTextures) + Copy) -> usize {
+        self.changed(material, change, &mut HashMap::new())
+    }
+
+    /// `copies` holds what was copied: blends may share what they blend, and then have far more ways down than materials.
+    fn changed(
+        &mut self,
+        material: usize,
+        change: impl Fn(&mut MaterialTextures) + Copy,
+        copies: &mut HashMap<usize, usize>,
+    ) -> usize {
+        if let Some(copy) = copies.get(&material) {
+            return *copy;
+        }
+        if self.materials.len() >= MATERIALS {
+            self.excess.get_or_insert(format!("the scene has more than {MATERIALS} materials, copies counted"));
+            return material;
+        }
         let mut copy = self.materials[material].clone();
         if copy.record.kind == MATERIAL_BLEND {
             let mut blend = self.blends[copy.record.detail as usize];
-            blend.first = self.changed_material(blend.first as usize, change) as u32;
-            blend.second = self.changed_material(blend.second as usize, change) as u32;
+            blend.first = self.changed(blend.first as usize, change, copies) as u32;
+            blend.second = self.changed(blend.second as usize, change, copies) as u32;
             self.blends.push(blend);
             copy.record.detail = self.blends.len() as u32 - 1;
         } else {
             change(&mut copy.textures);
         }
-        self.material(copy)
+        let made = self.material(copy);
+        copies.insert(material, made);
+        made
     }
 
     /// Adds a material that is the second of two with this probability, which a texture may multiply, else the first.
@@ -207,6 +250,14 @@ impl SceneBuilder {
 
     /// Adds triangles to a group (0 is the world itself). `name` says in messages which mesh it is.
     pub fn mesh(&mut self, group: usize, name: &str, mesh: Mesh, to_group: DAffine3, surface: usize) {
+        self.elements += (mesh.positions.len() + mesh.triangles.len()) as u64;
+        if self.elements > ELEMENTS {
+            self.excess.get_or_insert(format!(
+                "the scene has {} vertices and triangles with '{name}', and {ELEMENTS} is the most that is read",
+                self.elements
+            ));
+            return;
+        }
         self.groups[group].shapes.push((Shape::Mesh { mesh, to_group }, surface, name.to_owned()));
     }
 
@@ -243,6 +294,7 @@ impl SceneBuilder {
     /// Places everything around a nearby origin, drops degenerate triangles, fills the light table, and puts in the
     /// defaults that the file left open.
     pub fn finish(mut self) -> Result<Scene> {
+        self.within_limits()?;
         if self.film.width == 0 || self.film.height == 0 {
             return Err(Error::scene(
                 &self.source,
@@ -358,7 +410,7 @@ impl SceneBuilder {
             instances,
             origin,
             bounds,
-            warnings: self.warnings,
+            warnings: self.warnings.into_iter().map(plain).collect(),
         })
     }
 

@@ -12,6 +12,7 @@ mod flatten;
 pub mod gltf;
 pub mod image_file;
 pub mod light;
+mod limits;
 pub mod load;
 pub mod material;
 mod mesh;

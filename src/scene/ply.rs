@@ -1,25 +1,28 @@
 //! PLY meshes: ASCII and both binary encodings.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
 use super::Mesh;
 use crate::error::{Error, Result};
+use crate::input::open;
 
 /// Reads positions, normals (if all three are there), texture coordinates (`u`, `v` or `s`, `t`) and faces; polygons become fans of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {
-    let file = File::open(path).map_err(|error| Error::read(path, error))?;
     let wrong = |error: ParseError| parse_error(path, &error);
-    let mut reader = Reader::new(BufReader::new(file));
+    let mut reader = Reader::new(BufReader::new(open(path)?));
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
     let mut has_faces = false;
     for (_, element) in &header.elements {
+        // Any number of them would take no byte.
+        if element.properties.is_empty() && element.count > 0 {
+            return Err(Error::scene(path, format!("the element '{}' has no properties", element.name)));
+        }
         match element.name.as_str() {
             "vertex" => {
                 for needed in ["x", "y", "z"] {
@@ -42,6 +45,17 @@ pub fn read(path: &Path) -> Result<Mesh> {
             }
             "face" => {
                 has_faces = true;
+                let indices = ["vertex_indices", "vertex_index"].iter().find_map(|name| element.properties.get(*name));
+                match indices.map(|property| &property.data_type) {
+                    Some(PropertyType::List(_, ScalarType::Float | ScalarType::Double) | PropertyType::Scalar(_)) => {
+                        return Err(Error::scene(
+                            path,
+                            "the element 'face' has vertex indices that are no list of integers",
+                        ));
+                    }
+                    None => return Err(Error::scene(path, "the element 'face' has no property 'vertex_indices'")),
+                    Some(_) => {}
+                }
                 let faces =
                     Parser::<Face>::new().read_payload_for_element(&mut reader, element, &header).map_err(wrong)?;
                 for (index, face) in faces.iter().enumerate() {

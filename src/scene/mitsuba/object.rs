@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::document::{Element, resolve};
 use super::transform;
 use crate::error::{Error, Result, all_of, one_of};
+use crate::scene::limits::DEPTH;
 use crate::scene::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
 
 /// Elements that are objects: they have a `type` and can be referred to by `id`.
@@ -26,6 +27,8 @@ pub(super) struct Object {
     line: u32,
     properties: BTreeMap<String, Property>,
     children: Vec<Child>,
+    /// Objects below it on the longest way down, references included.
+    depth: usize,
     asked: RefCell<Vec<&'static str>>,
     warnings: Warnings,
 }
@@ -109,6 +112,7 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
         line: element.line,
         properties: BTreeMap::new(),
         children: Vec::new(),
+        depth: 0,
         asked: RefCell::default(),
         warnings: warnings.clone(),
     };
@@ -135,6 +139,11 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
                 return Err(child.error(format!("the property '{name}' is given twice")));
             }
         }
+    }
+    // References make chains that are as long as the file.
+    object.depth = object.children.iter().map(|child| child.object.depth + 1).max().unwrap_or(0);
+    if object.depth > DEPTH {
+        return Err(element.error(format!("objects are nested more than {DEPTH} deep, references included")));
     }
     let object = Rc::new(object);
     if let Some(id) = &object.id
