@@ -9,9 +9,7 @@ use exr::prelude::{ReadChannels, ReadLayers, read};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::output::{Format, format_of, srgb_to_linear};
-
-/// The most pixels that an image may have: a file's header can claim anything.
-const MAX_PIXELS: u64 = 1 << 28;
+use crate::scene::image_file::{EXR_RATIO, check_size};
 
 /// Opens a file; folders, devices and pipes, which may have no end, are refused.
 pub(crate) fn open(path: &Path) -> Result<File> {
@@ -62,6 +60,12 @@ fn read_exr(path: &Path) -> Result<Image> {
         width: usize,
         pixels: Vec<[f32; 3]>,
     }
+    let bytes = open(path)?.metadata().map_err(|error| Error::read(path, error))?.len();
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
+    for header in &meta.headers {
+        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
+        check_size(size, bytes, EXR_RATIO).map_err(|message| Error::read(path, message))?;
+    }
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -77,12 +81,6 @@ fn read_exr(path: &Path) -> Result<Image> {
         .map_err(|error| Error::read(path, error))?;
     let size = image.layer_data.size;
     let pixels = image.layer_data.channel_data.pixels.pixels;
-    if size.area() as u64 > MAX_PIXELS {
-        return Err(Error::read(
-            path,
-            format!("it has {} pixels, and {MAX_PIXELS} is the most that is read", size.area()),
-        ));
-    }
     Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
 }
 

@@ -113,6 +113,7 @@ const BROKEN: &[(&str, &[&str])] = &[
     ("gltf/buffer_too_short.gltf", &["buffers[0]", "byteLength is 4000000000", "60 bytes"]),
     ("gltf/index_out_of_range.gltf", &["primitives[0].indices: accessor 1", "refers to vertex 49024", "there are 4"]),
     ("gltf/sparse_out_of_range.gltf", &["primitives[0].indices: accessor 1", "replaces element 191"]),
+    ("gltf/sparse_more_than_all.gltf", &["primitives[0].indices: accessor 1", "sparse.count is 4", "has 3 elements"]),
     ("gltf/escape_parent.gltf", &["buffers[0]", "leaves the scene's folder"]),
     ("gltf/escape_encoded.gltf", &["buffers[0]", "leaves the scene's folder"]),
     ("gltf/escape_absolute.gltf", &["buffers[0]", "absolute"]),
@@ -230,8 +231,7 @@ fn broken_files_are_refused() {
 #[test]
 fn sound_files_are_read() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let temporary = tempfile::tempdir().unwrap();
-    let folder = Folder::new(temporary.path().join("inputs"));
+    let folder = Folder::new("lumbre-sound");
     for (format, name) in FORMATS {
         for path in files(&root().join("tests/corpus/sound").join(name)) {
             let start = Instant::now();
@@ -240,6 +240,19 @@ fn sound_files_are_read() {
             assert!(start.elapsed() < LONGEST, "{}", path.display());
         }
     }
+}
+
+/// What a line of a file is costs no more where there are many of them, or where one is very long.
+#[test]
+fn many_elements_take_their_share_of_time() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    let elements = r#"<default name="a" value="b"/>"#.repeat(100_000);
+    std::fs::write(&path, format!("<scene version=\"3.0.0\">\n{elements}\n<shape type=\"teapot\"/></scene>")).unwrap();
+    let start = Instant::now();
+    assert!(check_file(&path, &path).unwrap_err().contains("scene.xml:3"));
+    assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
 }
 
 /// Folders, devices and pipes are no files: opened as such some of them would never end.
@@ -320,9 +333,8 @@ fn seeds(format: Format, name: &str) -> (Vec<Vec<u8>>, usize) {
 #[test]
 fn mutations_never_panic() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let temporary = tempfile::tempdir().unwrap().keep();
-    let folder = Folder::new(temporary.join("inputs"));
-    for ((format, name), rounds) in FORMATS.into_iter().zip([1500; 6]) {
+    let folder = Folder::new("lumbre-mutations");
+    for ((format, name), rounds) in FORMATS.into_iter().zip([6000; 6]) {
         let (seeds, sound) = seeds(format, name);
         let mut mutator = Mutator::new(20_240_607);
         let (start, mut read) = (Instant::now(), 0);
@@ -339,6 +351,4 @@ fn mutations_never_panic() {
             "{name}: {read} of {rounds} were read: mutations of no use"
         );
     }
-    drop(folder);
-    std::fs::remove_dir_all(&temporary).unwrap();
 }

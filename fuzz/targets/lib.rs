@@ -5,7 +5,6 @@
 mod hostile;
 
 use std::cell::OnceCell;
-use std::path::PathBuf;
 
 pub use hostile::Format;
 use hostile::{Bounded, Folder};
@@ -19,12 +18,6 @@ pub fn run(format: Format, bytes: &[u8]) {
         static FOLDER: OnceCell<Folder> = const { OnceCell::new() };
     }
     FOLDER.with(|folder| {
-        let folder = folder.get_or_init(|| {
-            // In memory, where there is such a place: a file is written for each input.
-            let base = Some(PathBuf::from("/dev/shm")).filter(|base| base.is_dir());
-            let base = base.unwrap_or_else(std::env::temp_dir);
-            Folder::new(base.join(format!("lumbre-fuzz-{}", std::process::id())))
-        });
-        folder.check(format, bytes);
+        folder.get_or_init(|| Folder::new("lumbre-fuzz")).check(format, bytes);
     });
 }

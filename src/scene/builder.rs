@@ -484,3 +484,49 @@ impl SceneBuilder {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// The limits are too large to be met in earnest: what was added before is made up.
+    #[test]
+    fn what_is_too_much_is_named_and_not_kept() {
+        let image = || TextureImage {
+            source: PathBuf::from("big.png"),
+            width: 2,
+            height: 1,
+            texels: Texels::Linear8(vec![[0; 4]; 2]),
+        };
+        let refused = |builder: SceneBuilder, expected: &[&str]| {
+            assert!(builder.within_limits().is_err());
+            let message = builder.finish().unwrap_err().to_string();
+            assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+        };
+        let mut builder = SceneBuilder::new("scene.xml");
+        let surface = builder.matte([0.5; 3]);
+        builder.elements = ELEMENTS - 6;
+        builder.mesh(WORLD, "fits", Mesh::rectangle(), DAffine3::IDENTITY, surface);
+        assert!(builder.within_limits().is_ok() && builder.groups[WORLD].shapes.len() == 1);
+        builder.mesh(WORLD, "one more", Mesh::rectangle(), DAffine3::IDENTITY, surface);
+        assert_eq!(builder.groups[WORLD].shapes.len(), 1);
+        refused(builder, &["scene.xml", "134217734", "'one more'", "134217728"]);
+
+        let mut builder = SceneBuilder::new("scene.xml");
+        builder.image_bytes = IMAGE_BYTES - 8;
+        builder.image(image());
+        assert!(builder.within_limits().is_ok());
+        let index = builder.image(image());
+        assert_eq!(builder.image_size(index), [1, 1]);
+        refused(builder, &["scene.xml", "big.png", "4294967296"]);
+
+        let mut builder = SceneBuilder::new("scene.xml");
+        let material = builder.material(material::diffuse([0.5; 3]));
+        builder.materials = vec![builder.materials[0].clone(); MATERIALS];
+        builder.changed_material(material, |_| ());
+        assert_eq!(builder.materials.len(), MATERIALS);
+        refused(builder, &["scene.xml", "1048576 materials"]);
+    }
+}

@@ -29,26 +29,11 @@ pub fn read_texture(path: &Path, encoding: Encoding) -> Result<TextureImage> {
 /// Decodes an image; `source` names it in messages.
 pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result<TextureImage> {
     let wrong = |message: String| Error::scene(source, message);
-    // Room is made by what the header says, before any of the data is decoded: it must be possible that it is true.
     let check = |width: u64, height: u64, per_byte: u64| {
-        let texels = width.saturating_mul(height);
-        let side = u64::from(SIDE);
-        if width == 0 || height == 0 || width > side || height > side || texels > TEXELS {
-            return Err(wrong(format!(
-                "the image claims {width} x {height} texels: sides of 1 to {SIDE} and {TEXELS} in all are read"
-            )));
-        }
-        if texels > (bytes.len() as u64).saturating_mul(per_byte) {
-            return Err(wrong(format!(
-                "the image claims {width} x {height} texels, more than its {} bytes can hold",
-                bytes.len()
-            )));
-        }
-        Ok(())
+        check_size([width, height], bytes.len() as u64, per_byte).map_err(wrong)
     };
     if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        // Samples have 16 bits or more; the other compressions stay below that of ZIP.
-        return decode_exr(bytes, source, |width, height| check(width, height, DEFLATE_RATIO / 2));
+        return decode_exr(bytes, source, |width, height| check(width, height, EXR_RATIO));
     }
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| Error::read(source, error))?;
@@ -98,6 +83,25 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
     finite(TextureImage { source: source.to_owned(), width, height, texels })
 }
 
+/// Texels that one byte of an EXR file stands for at most: samples have 16 bits or more, and the other compressions stay below
+/// that of ZIP.
+pub(crate) const EXR_RATIO: u64 = DEFLATE_RATIO / 2;
+
+/// Room is made by what the header of an image says, before any of its data is decoded: says what is wrong where that is too much,
+/// or cannot be true of a file of so many bytes, each of which stands for so many texels at most.
+pub(crate) fn check_size([width, height]: [u64; 2], bytes: u64, per_byte: u64) -> Result<(), String> {
+    let (texels, side) = (width.saturating_mul(height), u64::from(SIDE));
+    if width == 0 || height == 0 || width > side || height > side || texels > TEXELS {
+        return Err(format!(
+            "the image claims {width} x {height} texels: sides of 1 to {SIDE} and {TEXELS} in all are read"
+        ));
+    }
+    if texels > bytes.saturating_mul(per_byte) {
+        return Err(format!("the image claims {width} x {height} texels, more than its {bytes} bytes can hold"));
+    }
+    Ok(())
+}
+
 fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()>) -> Result<TextureImage> {
     struct Pixels {
         width: usize,
@@ -108,7 +112,7 @@ fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()
     for header in &meta.headers {
         check(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
     }
-    let image = read()
+    let reader = read()
         .no_deep_data()
         .largest_resolution_level()
         .rgba_channels(
@@ -118,9 +122,11 @@ fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()
             },
         )
         .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(wrong)?;
+        .all_attributes();
+    // Threads are started for each image: they cost more than a small one does.
+    let is_small = meta.headers.iter().all(|header| header.layer_size.area() < 1 << 18);
+    let reader = if is_small { reader.non_parallel() } else { reader };
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(wrong)?;
     let size = image.layer_data.size;
     finite(TextureImage {
         source: source.to_owned(),

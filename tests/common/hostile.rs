@@ -139,8 +139,11 @@ fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 impl Folder {
-    /// Makes the folder, and in it what inputs may refer to.
-    pub fn new(path: PathBuf) -> Self {
+    /// Makes a folder of that name, and in it what inputs may refer to: in memory, where there is such a place, since a disk takes
+    /// far longer to write an input than a loader to read it.
+    pub fn new(name: &str) -> Self {
+        let memory = Some(PathBuf::from("/dev/shm")).filter(|folder| folder.is_dir());
+        let path = memory.unwrap_or_else(std::env::temp_dir).join(format!("{name}-{}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();
         let folder = Self { path };
         let shape = |kind: &str| {

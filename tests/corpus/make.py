@@ -3,8 +3,8 @@
 
     python3 tests/corpus/make.py tests/corpus
 
-Python's standard library only. The JPEG and EXR files of sound/image are not made here (libjpeg-turbo and the exr crate wrote
-them); the broken ones are made of them.
+Python's standard library only. The JPEG and EXR files of sound/image are not made here: libjpeg-turbo and the exr crate wrote
+them, and fuzzing found b44_wraps.exr. The broken ones are made of them.
 """
 
 import json
@@ -371,6 +371,8 @@ put("gltf/buffer_too_short.gltf", text(buffers=[{"byteLength": 4000000000, "uri"
 put("gltf/index_out_of_range.gltf", change("accessors", 1, bufferView=0, componentType=5123, count=12))
 put("gltf/sparse_out_of_range.gltf", change("accessors", 1, sparse={
     "count": 1, "indices": {"bufferView": 0, "byteOffset": 3, "componentType": 5121}, "values": {"bufferView": 1}}))
+put("gltf/sparse_more_than_all.gltf", change("accessors", 1, count=3, sparse={
+    "count": 4, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}}))
 for name, path in [("parent", "../../../../../etc/passwd"), ("encoded", "%2e%2e%2fsecret"), ("absolute", "/etc/passwd"),
                    ("backslash", "..\\..\\secret"), ("scheme", "file:///etc/passwd"), ("device", "/dev/zero")]:
     put(f"gltf/escape_{name}.gltf", text(buffers=[{"byteLength": 1, "uri": path}]))

@@ -145,6 +145,12 @@ impl<'a> Accessors<'a> {
             return Err(self.document.wrong(element, "sparse.indices.componentType is unknown"));
         };
         let (component, count) = (component.0, sparse.count.0);
+        if count > accessor.count.0 {
+            return Err(self.document.wrong(
+                element,
+                format!("sparse.count is {count}, and the accessor has {} elements", accessor.count.0),
+            ));
+        }
         let indices = &sparse.indices;
         let places = self.run(
             indices.buffer_view.value(),
