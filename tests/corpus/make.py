@@ -4,7 +4,7 @@
     python3 tests/corpus/make.py tests/corpus
 
 Python's standard library only. The JPEG and EXR files of sound/image are not made here: libjpeg-turbo and the exr crate wrote
-them, and fuzzing found b44_wraps.exr. The broken ones are made of them.
+them, and fuzzing found image/b44_wraps.exr. The other broken ones are made of them.
 """
 
 import json
