@@ -15,7 +15,7 @@ pub enum Error {
     Usage(String),
 
     /// A scene file, or a file that it names, is wrong.
-    #[error("{}{}: {message}", file.display(), place)]
+    #[error("{}{}: {message}", plain(file.display()), place)]
     Scene {
         /// The file at fault.
         file: PathBuf,
@@ -26,7 +26,7 @@ pub enum Error {
     },
 
     /// A file could not be read or written.
-    #[error("cannot {doing} {}: {cause}", file.display())]
+    #[error("cannot {doing} {}: {cause}", plain(file.display()))]
     File {
         /// `read`, `write`, ...
         doing: &'static str,
@@ -97,17 +97,17 @@ impl Error {
 
     /// An error about a file as a whole.
     pub fn scene(file: &Path, message: impl Into<String>) -> Self {
-        Error::Scene { file: file.to_owned(), place: Place::None, message: message.into() }
+        Error::Scene { file: file.to_owned(), place: Place::None, message: plain(message.into()) }
     }
 
     /// An error about one line of a file.
     pub fn scene_line(file: &Path, line: u32, message: impl Into<String>) -> Self {
-        Error::Scene { file: file.to_owned(), place: Place::Line(line), message: message.into() }
+        Error::Scene { file: file.to_owned(), place: Place::Line(line), message: plain(message.into()) }
     }
 
     /// A failure to read a file.
     pub fn read(file: &Path, cause: impl fmt::Display) -> Self {
-        Error::File { doing: "read", file: file.to_owned(), cause: cause.to_string() }
+        Error::File { doing: "read", file: file.to_owned(), cause: plain(cause) }
     }
 
     /// A failure to write a file.
@@ -149,6 +149,25 @@ impl fmt::Display for Bytes {
     }
 }
 
+/// The most characters of a message: files can make lists and names of any length.
+const MAX_MESSAGE: usize = 2000;
+
+/// Text that may come from a file, for a message: one line, without control characters, its middle left out where it is long.
+pub(crate) fn plain(text: impl fmt::Display) -> String {
+    let text = text.to_string();
+    let text = text.trim_end();
+    if text.len() <= MAX_MESSAGE && !text.contains(char::is_control) {
+        return text.to_owned();
+    }
+    let mut out: Vec<char> = Vec::new();
+    for c in text.chars() {
+        if c.is_control() { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    let Some(extra) = out.len().checked_sub(MAX_MESSAGE) else { return out.into_iter().collect() };
+    let (head, tail) = (&out[..MAX_MESSAGE / 2], &out[MAX_MESSAGE / 2 + extra..]);
+    [head, &[' ', '.', '.', '.', ' '], tail].concat().into_iter().collect()
+}
+
 /// "a, b and c", for messages that list what there is.
 pub fn all_of<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
     join(names, "and")
@@ -165,5 +184,21 @@ fn join<S: AsRef<str>>(names: impl IntoIterator<Item = S>, word: &str) -> String
         None => String::from("nothing"),
         Some((only, [])) => only.clone(),
         Some((last, rest)) => format!("{} {word} {last}", rest.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_one_short_line() {
+        assert_eq!(plain("as it is: é"), "as it is: é");
+        assert_eq!(plain("an end of line\n"), "an end of line");
+        assert_eq!(plain("two\nlines\u{1b}[31m"), "two\\nlines\\u{1b}[31m");
+        let long = plain("é".repeat(5000) + "the end");
+        assert!(long.chars().count() == MAX_MESSAGE + 5 && long.ends_with("the end") && long.contains(" ... "));
+        let error = Error::scene(Path::new("a\nb.xml"), "c\td");
+        assert_eq!(error.to_string(), "a\\nb.xml: c\\td");
     }
 }

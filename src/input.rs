@@ -1,5 +1,7 @@
 //! Reading files: images to compare, EXR (linear) and PNG (sRGB), and text of bounded size.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
@@ -7,17 +9,41 @@ use exr::prelude::{ReadChannels, ReadLayers, read};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::output::{Format, format_of, srgb_to_linear};
+use crate::scene::image_file::{EXR_RATIO, check_size};
 
-/// The most pixels that an image may have: a file's header can claim anything.
-const MAX_PIXELS: u64 = 1 << 28;
+/// Opens a file; folders, devices and pipes, which may have no end, are refused.
+pub(crate) fn open(path: &Path) -> Result<File> {
+    let meta = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+    if !meta.is_file() {
+        return Err(Error::read(path, "it is not a file"));
+    }
+    File::open(path).map_err(|error| Error::read(path, error))
+}
+
+/// The bytes of a file, unless it has more than `most`.
+pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
+    let file = open(path)?;
+    let size = file.metadata().map_err(|error| Error::read(path, error))?.len();
+    let mut bytes = Vec::new();
+    // What is read counts, for a file may grow.
+    if size <= most {
+        bytes.reserve(size as usize);
+        file.take(most + 1).read_to_end(&mut bytes).map_err(|error| Error::read(path, error))?;
+    }
+    let size = size.max(bytes.len() as u64);
+    if size > most {
+        return Err(Error::scene(path, format!("the file has {size} bytes, and {most} is the most that is read")));
+    }
+    Ok(bytes)
+}
 
 /// The text of a file, unless it has more than `most` bytes.
 pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
-    let bytes = std::fs::metadata(path).map_err(|error| Error::read(path, error))?.len();
-    if bytes > most {
-        return Err(Error::scene(path, format!("the file has {bytes} bytes, and {most} is the most that is read")));
-    }
-    std::fs::read_to_string(path).map_err(|error| Error::read(path, error))
+    String::from_utf8(read_bytes(path, most)?).map_err(|error| {
+        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = good.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
+        Error::scene_line(path, line, format!("the file is not text: byte {} is not UTF-8", good.len()))
+    })
 }
 
 /// The R, G and B channels of an image as linear values.
@@ -34,6 +60,12 @@ fn read_exr(path: &Path) -> Result<Image> {
         width: usize,
         pixels: Vec<[f32; 3]>,
     }
+    let bytes = open(path)?.metadata().map_err(|error| Error::read(path, error))?.len();
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
+    for header in &meta.headers {
+        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
+        check_size(size, bytes, EXR_RATIO).map_err(|message| Error::read(path, message))?;
+    }
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -49,12 +81,6 @@ fn read_exr(path: &Path) -> Result<Image> {
         .map_err(|error| Error::read(path, error))?;
     let size = image.layer_data.size;
     let pixels = image.layer_data.channel_data.pixels.pixels;
-    if size.area() as u64 > MAX_PIXELS {
-        return Err(Error::read(
-            path,
-            format!("it has {} pixels, and {MAX_PIXELS} is the most that is read", size.area()),
-        ));
-    }
     Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
 }
 

@@ -160,7 +160,7 @@ fn broken_files_name_what_is_wrong() {
     }
     // Sparse accessors, which the loop's pointers would make long.
     for (name, value, expected) in [
-        ("count", json!(1_000_000_000u64), "sparse.indices"),
+        ("count", json!(1_000_000_000u64), "sparse.count"),
         ("indices", json!({"bufferView": 99, "componentType": U8}), "bufferViews[99]"),
         ("indices", json!({"bufferView": 0, "componentType": F32}), "componentType"),
         ("indices", json!({"bufferView": 0, "componentType": U32}), "replaces element"),

@@ -9,13 +9,14 @@ use super::camera::Camera;
 use super::flatten::{Flat, PendingGroup, Shape, union};
 use super::light::{Lamp, importance};
 use super::light_table::{self, Candidate, LightSelection};
+use super::limits::{ELEMENTS, IMAGE_BYTES, MATERIALS};
 use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
-use super::texture::{Pattern, TextureDescription, TextureImage, srgb_table};
+use super::texture::{Pattern, Texels, TextureDescription, TextureImage, srgb_table};
 use super::{Environment, FilmSettings, Filter, Instance, LightTree, Scene, TechniqueRequest, environment};
 use crate::bvh::Bounds;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, plain};
 use crate::layout::{
     Blend, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION,
     Material, MaterialTextures, NONE, Surface,
@@ -77,6 +78,12 @@ pub struct SceneBuilder {
     surfaces: Vec<SurfaceDescription>,
     groups: Vec<PendingGroup>,
     instances: Vec<(usize, DAffine3)>,
+    /// Vertices and triangles so far.
+    elements: u64,
+    /// Bytes of images so far.
+    image_bytes: u64,
+    /// What there is too much of.
+    excess: Option<String>,
 }
 
 /// The group that everything belongs to that is placed once.
@@ -102,11 +109,28 @@ impl SceneBuilder {
             surfaces: Vec::new(),
             groups: vec![PendingGroup { name: String::from("world"), shapes: Vec::new() }],
             instances: Vec::new(),
+            elements: 0,
+            image_bytes: 0,
+            excess: None,
         }
     }
 
+    /// Fails where more was added than a scene may hold; what is beyond was not kept. [`Self::finish`] asks by itself.
+    pub(super) fn within_limits(&self) -> Result<()> {
+        self.excess.as_ref().map_or(Ok(()), |message| Err(Error::scene(&self.source, message)))
+    }
+
     /// Adds an image for textures to show.
-    pub fn image(&mut self, image: TextureImage) -> usize {
+    pub fn image(&mut self, mut image: TextureImage) -> usize {
+        self.image_bytes += image.bytes().len() as u64;
+        if self.image_bytes > IMAGE_BYTES {
+            let source = image.source.display();
+            self.excess.get_or_insert(format!(
+                "the images of the scene take {} bytes with {source}, and {IMAGE_BYTES} is the most that is read",
+                self.image_bytes
+            ));
+            (image.width, image.height, image.texels) = (1, 1, Texels::Srgb8(vec![[0; 4]]));
+        }
         self.images.push(image);
         self.images.len() - 1
     }
@@ -155,17 +179,36 @@ impl SceneBuilder {
 
     /// A copy of a material, and of those that it blends, whose textures are changed.
     pub(super) fn changed_material(&mut self, material: usize, change: impl Fn(&mut MaterialTextures) + Copy) -> usize {
+        self.changed(material, change, &mut HashMap::new())
+    }
+
+    /// `copies` holds what was copied: blends may share what they blend, and then have far more ways down than materials.
+    fn changed(
+        &mut self,
+        material: usize,
+        change: impl Fn(&mut MaterialTextures) + Copy,
+        copies: &mut HashMap<usize, usize>,
+    ) -> usize {
+        if let Some(copy) = copies.get(&material) {
+            return *copy;
+        }
+        if self.materials.len() >= MATERIALS {
+            self.excess.get_or_insert(format!("the scene has more than {MATERIALS} materials, copies counted"));
+            return material;
+        }
         let mut copy = self.materials[material].clone();
         if copy.record.kind == MATERIAL_BLEND {
             let mut blend = self.blends[copy.record.detail as usize];
-            blend.first = self.changed_material(blend.first as usize, change) as u32;
-            blend.second = self.changed_material(blend.second as usize, change) as u32;
+            blend.first = self.changed(blend.first as usize, change, copies) as u32;
+            blend.second = self.changed(blend.second as usize, change, copies) as u32;
             self.blends.push(blend);
             copy.record.detail = self.blends.len() as u32 - 1;
         } else {
             change(&mut copy.textures);
         }
-        self.material(copy)
+        let made = self.material(copy);
+        copies.insert(material, made);
+        made
     }
 
     /// Adds a material that is the second of two with this probability, which a texture may multiply, else the first.
@@ -211,6 +254,14 @@ impl SceneBuilder {
 
     /// Adds triangles to a group (0 is the world itself). `name` says in messages which mesh it is.
     pub fn mesh(&mut self, group: usize, name: &str, mesh: Mesh, to_group: DAffine3, surface: usize) {
+        self.elements += (mesh.positions.len() + mesh.triangles.len()) as u64;
+        if self.elements > ELEMENTS {
+            self.excess.get_or_insert(format!(
+                "the scene has {} vertices and triangles with '{name}', and {ELEMENTS} is the most that is read",
+                self.elements
+            ));
+            return;
+        }
         self.groups[group].shapes.push((Shape::Mesh { mesh, to_group }, surface, name.to_owned()));
     }
 
@@ -247,6 +298,7 @@ impl SceneBuilder {
     /// Places everything around a nearby origin, drops degenerate triangles, fills the light table, and puts in the
     /// defaults that the file left open.
     pub fn finish(mut self) -> Result<Scene> {
+        self.within_limits()?;
         if self.film.width == 0 || self.film.height == 0 {
             return Err(Error::scene(
                 &self.source,
@@ -356,7 +408,7 @@ impl SceneBuilder {
             instances,
             origin,
             bounds,
-            warnings: self.warnings,
+            warnings: self.warnings.into_iter().map(plain).collect(),
         })
     }
 
@@ -423,5 +475,51 @@ impl SceneBuilder {
             }
             extent => Ok(extent),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// The limits are too large to be met in earnest: what was added before is made up.
+    #[test]
+    fn what_is_too_much_is_named_and_not_kept() {
+        let image = || TextureImage {
+            source: PathBuf::from("big.png"),
+            width: 2,
+            height: 1,
+            texels: Texels::Linear8(vec![[0; 4]; 2]),
+        };
+        let refused = |builder: SceneBuilder, expected: &[&str]| {
+            assert!(builder.within_limits().is_err());
+            let message = builder.finish().unwrap_err().to_string();
+            assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+        };
+        let mut builder = SceneBuilder::new("scene.xml");
+        let surface = builder.matte([0.5; 3]);
+        builder.elements = ELEMENTS - 6;
+        builder.mesh(WORLD, "fits", Mesh::rectangle(), DAffine3::IDENTITY, surface);
+        assert!(builder.within_limits().is_ok() && builder.groups[WORLD].shapes.len() == 1);
+        builder.mesh(WORLD, "one more", Mesh::rectangle(), DAffine3::IDENTITY, surface);
+        assert_eq!(builder.groups[WORLD].shapes.len(), 1);
+        refused(builder, &["scene.xml", "134217734", "'one more'", "134217728"]);
+
+        let mut builder = SceneBuilder::new("scene.xml");
+        builder.image_bytes = IMAGE_BYTES - 8;
+        builder.image(image());
+        assert!(builder.within_limits().is_ok());
+        let index = builder.image(image());
+        assert_eq!(builder.image_size(index), [1, 1]);
+        refused(builder, &["scene.xml", "big.png", "4294967296"]);
+
+        let mut builder = SceneBuilder::new("scene.xml");
+        let material = builder.material(material::diffuse([0.5; 3]));
+        builder.materials = vec![builder.materials[0].clone(); MATERIALS];
+        builder.changed_material(material, |_| ());
+        assert_eq!(builder.materials.len(), MATERIALS);
+        refused(builder, &["scene.xml", "1048576 materials"]);
     }
 }

@@ -4,18 +4,13 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use image::{DynamicImage, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
+use super::limits::{DEFLATE_RATIO, FILE_BYTES, SIDE, TEXELS};
 use super::texture::{Texels, TextureImage};
 use crate::error::{Error, Result};
+use crate::input::read_bytes;
 use crate::output::srgb_to_linear;
-
-/// The most texels that an image may have: a file's header can claim anything.
-const MAX_TEXELS: u64 = 1 << 28;
-/// The longest side of an image.
-const MAX_SIDE: u32 = 1 << 16;
-/// The most bytes that decoding an image may take.
-const MAX_BYTES: u64 = 4 << 30;
 
 /// How the 8-bit values of an image are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -28,42 +23,45 @@ pub enum Encoding {
 
 /// Reads an image file.
 pub fn read_texture(path: &Path, encoding: Encoding) -> Result<TextureImage> {
-    let bytes = std::fs::read(path).map_err(|error| Error::read(path, error))?;
-    decode_texture(&bytes, path, encoding)
+    decode_texture(&read_bytes(path, FILE_BYTES)?, path, encoding)
 }
 
 /// Decodes an image; `source` names it in messages.
 pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result<TextureImage> {
     let wrong = |message: String| Error::scene(source, message);
-    let check = |width: u64, height: u64| {
-        if width == 0
-            || height == 0
-            || width > u64::from(MAX_SIDE)
-            || height > u64::from(MAX_SIDE)
-            || width * height > MAX_TEXELS
-        {
-            return Err(wrong(format!(
-                "the image claims {width} x {height} texels: sides of 1 to {MAX_SIDE} and {MAX_TEXELS} in all are read"
-            )));
-        }
-        Ok(())
+    let check = |width: u64, height: u64, per_byte: u64| {
+        check_size([width, height], bytes.len() as u64, per_byte).map_err(wrong)
     };
     if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        return decode_exr(bytes, source, check);
+        return decode_exr(bytes, source, |width, height| check(width, height, EXR_RATIO));
     }
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| Error::read(source, error))?;
-    if reader.format().is_none() {
+    let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr)) = reader.format() else {
         return Err(wrong(String::from("not an image that is read: valid are PNG, JPEG, Radiance HDR and EXR")));
-    }
+    };
     let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_BYTES);
+    limits.max_image_width = Some(SIDE);
+    limits.max_image_height = Some(SIDE);
+    limits.max_alloc = Some(16 * TEXELS);
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| wrong(format!("not a valid image: {error}")))?;
-    let (width, height) = (image.width(), image.height());
-    check(u64::from(width), u64::from(height))?;
+    let invalid = |error: image::ImageError| match error {
+        image::ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            wrong(String::from("not a valid image: the data end too early"))
+        }
+        error => wrong(format!("not a valid image: {error}")),
+    };
+    let decoder = reader.into_decoder().map_err(invalid)?;
+    let (width, height) = decoder.dimensions();
+    let per_byte = match format {
+        ImageFormat::Png => 8 * DEFLATE_RATIO / u64::from(decoder.original_color_type().bits_per_pixel()).max(1),
+        // A block of 8 x 8 takes one bit at the least.
+        ImageFormat::Jpeg => 8 * 64,
+        // Runs of the old form: 12 bytes repeat a texel for longer than a row is.
+        _ => u64::from(SIDE) / 12,
+    };
+    check(u64::from(width), u64::from(height), per_byte)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(invalid)?;
     let is_deep = matches!(
         image,
         DynamicImage::ImageLuma16(_)
@@ -85,6 +83,25 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
     finite(TextureImage { source: source.to_owned(), width, height, texels })
 }
 
+/// Texels that one byte of an EXR file stands for at most: samples have 16 bits or more, and the other compressions stay below
+/// that of ZIP.
+pub(crate) const EXR_RATIO: u64 = DEFLATE_RATIO / 2;
+
+/// Room is made by what the header of an image says, before any of its data is decoded: says what is wrong where that is too much,
+/// or cannot be true of a file of so many bytes, each of which stands for so many texels at most.
+pub(crate) fn check_size([width, height]: [u64; 2], bytes: u64, per_byte: u64) -> Result<(), String> {
+    let (texels, side) = (width.saturating_mul(height), u64::from(SIDE));
+    if width == 0 || height == 0 || width > side || height > side || texels > TEXELS {
+        return Err(format!(
+            "the image claims {width} x {height} texels: sides of 1 to {SIDE} and {TEXELS} in all are read"
+        ));
+    }
+    if texels > bytes.saturating_mul(per_byte) {
+        return Err(format!("the image claims {width} x {height} texels, more than its {bytes} bytes can hold"));
+    }
+    Ok(())
+}
+
 fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()>) -> Result<TextureImage> {
     struct Pixels {
         width: usize,
@@ -95,7 +112,7 @@ fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()
     for header in &meta.headers {
         check(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
     }
-    let image = read()
+    let reader = read()
         .no_deep_data()
         .largest_resolution_level()
         .rgba_channels(
@@ -105,9 +122,11 @@ fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()
             },
         )
         .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(wrong)?;
+        .all_attributes();
+    // Threads are started for each image: they cost more than a small one does.
+    let is_small = meta.headers.iter().all(|header| header.layer_size.area() < 1 << 18);
+    let reader = if is_small { reader.non_parallel() } else { reader };
+    let image = reader.from_buffered(Cursor::new(bytes)).map_err(wrong)?;
     let size = image.layer_data.size;
     finite(TextureImage {
         source: source.to_owned(),

@@ -15,6 +15,7 @@ pub mod image_file;
 pub mod light;
 mod light_table;
 mod light_tree;
+mod limits;
 pub mod load;
 pub mod material;
 mod mesh;

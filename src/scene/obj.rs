@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use tobj::LoadError;
@@ -11,6 +11,7 @@ use tobj::LoadError;
 use super::builder::{SceneBuilder, SurfaceDescription, WORLD};
 use super::{Mesh, material};
 use crate::error::{Error, Result};
+use crate::input;
 use crate::layout::Material;
 
 const OPTIONS: tobj::LoadOptions =
@@ -32,17 +33,28 @@ pub(super) fn read_geometry(path: &Path) -> Result<Mesh> {
 /// Reads a scene: each group with its material. `Ke` makes an area light, a missing MTL file a warning and grey. What is
 /// left is what [`SceneBuilder::finish`] does.
 pub fn load(path: &Path) -> Result<SceneBuilder> {
-    let missing: Cell<Option<(PathBuf, LoadError)>> = Cell::new(None);
+    let missing: Cell<Option<Error>> = Cell::new(None);
+    let broken: Cell<Option<Error>> = Cell::new(None);
     let (models, materials) = read(path, Lines::open(path, &[])?, |name| {
         let library = path.parent().unwrap_or(Path::new("")).join(name);
-        tobj::load_mtl(&library).inspect_err(|error| missing.set(Some((library.clone(), *error))))
+        let mut lines = match Lines::open(&library, &[]) {
+            Ok(lines) => Lines { are_materials: true, ..lines },
+            Err(error) => {
+                missing.set(Some(error));
+                return Err(LoadError::OpenFileFailed);
+            }
+        };
+        tobj::load_mtl_buf(&mut lines).inspect_err(|error| broken.set(Some(lines.error(&library, *error, "MTL"))))
     })?;
+    if let Some(error) = broken.take() {
+        return Err(error);
+    }
     if models.iter().all(|model| model.mesh.indices.is_empty()) {
         return Err(Error::scene(path, "the file has no faces"));
     }
     let mut builder = SceneBuilder::new(path);
-    if let Some((library, error)) = missing.take() {
-        builder.warnings.push(format!("{}: {error}; its materials are grey", library.display()));
+    if let Some(error) = missing.take() {
+        builder.warnings.push(format!("{error}; its materials are grey"));
     }
     let materials = materials.unwrap_or_default();
     let grey = builder.matte([0.5; 3]);
@@ -124,8 +136,7 @@ fn read(path: &Path, mut reader: Lines, materials: impl Fn(&Path) -> tobj::MTLLo
                 let what = error.to_string().replace("face ", "").replace(" index out of bounds", "");
                 Error::scene(path, format!("a face before line {} refers to a {what} that does not exist", line + 1))
             }
-            LoadError::ReadError => Error::scene_line(path, line, "the file is not text (UTF-8)"),
-            _ => Error::scene_line(path, line, format!("not a valid OBJ file: {error}")),
+            _ => reader.error(path, error, "OBJ"),
         }
     })
 }
@@ -133,19 +144,58 @@ fn read(path: &Path, mut reader: Lines, materials: impl Fn(&Path) -> tobj::MTLLo
 /// What the OBJ reader returns: the groups, and the materials or why there are none.
 type Models = (Vec<tobj::Model>, Result<Vec<tobj::Material>, LoadError>);
 
-/// Reads line by line, counting them; lines that begin with one of the skipped keywords read as empty.
+/// Reads line by line, counting them; lines that begin with one of the skipped keywords read as empty. What the reader of the
+/// format takes for granted is checked here.
 struct Lines {
     inner: BufReader<File>,
     line: Vec<u8>,
     position: usize,
     number: u32,
     skipped: &'static [&'static str],
+    /// They are of an MTL file.
+    are_materials: bool,
+    /// Vertices, texture coordinates and normals so far.
+    counts: [u32; 3],
+    /// What is wrong with the last line.
+    wrong: Option<String>,
 }
 
 impl Lines {
     fn open(path: &Path, skipped: &'static [&'static str]) -> Result<Self> {
-        let file = File::open(path).map_err(|error| Error::read(path, error))?;
-        Ok(Self { inner: BufReader::new(file), line: Vec::new(), position: 0, number: 0, skipped })
+        let inner = BufReader::new(input::open(path)?);
+        let (line, counts) = (Vec::new(), [0; 3]);
+        Ok(Self { inner, line, position: 0, number: 0, skipped, are_materials: false, counts, wrong: None })
+    }
+
+    /// The error of a reader that stands at the last line.
+    fn error(&self, path: &Path, error: LoadError, format: &str) -> Error {
+        let message = self.wrong.clone().unwrap_or_else(|| format!("not a valid {format} file: {error}"));
+        Error::scene_line(path, self.number, message)
+    }
+
+    /// Takes the last line in; says what is wrong with it.
+    fn check(&mut self) -> Result<(), String> {
+        let text = std::str::from_utf8(&self.line).map_err(|_| String::from("the file is not text (UTF-8)"))?;
+        let mut words = text.split_whitespace();
+        let keyword = words.next().unwrap_or_default();
+        if self.are_materials {
+            let is_colour = ["Ka", "Kd", "Ks", "Ke"].contains(&keyword);
+            return if is_colour && words.count() < 3 { Err(format!("{keyword} needs three numbers")) } else { Ok(()) };
+        }
+        if let Some(kind) = ["v", "vt", "vn"].iter().position(|known| *known == keyword) {
+            self.counts[kind] = self.counts[kind].saturating_add(1);
+        }
+        if ["f", "l"].contains(&keyword) {
+            let kinds = ["vertex", "texture coordinate", "normal"];
+            for (index, (kind, count)) in words.flat_map(|word| word.split('/').zip(kinds.into_iter().zip(self.counts)))
+            {
+                // What is no integer at all is the reader's to report.
+                if index.parse::<i64>().is_ok_and(|index| index < -i64::from(count) || index > i64::from(u32::MAX)) {
+                    return Err(format!("the face refers to {kind} {index}, and there are {count} by here"));
+                }
+            }
+        }
+        Ok(())
     }
 }
 
@@ -166,6 +216,10 @@ impl BufRead for Lines {
             self.position = 0;
             if self.inner.read_until(b'\n', &mut self.line)? > 0 {
                 self.number += 1;
+                if let Err(message) = self.check() {
+                    self.wrong = Some(message);
+                    return Err(io::ErrorKind::InvalidData.into());
+                }
                 let keyword = self.line.trim_ascii_start().split(u8::is_ascii_whitespace).next().unwrap_or_default();
                 if self.skipped.iter().any(|skipped| skipped.as_bytes() == keyword) {
                     self.line = vec![b'\n'];

@@ -1,25 +1,28 @@
 //! PLY meshes: ASCII and both binary encodings.
 
-use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
 use super::Mesh;
 use crate::error::{Error, Result};
+use crate::input::open;
 
 /// Reads positions, normals (if all three are there), texture coordinates (`u`, `v` or `s`, `t`) and faces; polygons become fans of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {
-    let file = File::open(path).map_err(|error| Error::read(path, error))?;
-    let wrong = |error: ParseError| parse_error(path, &error);
-    let mut reader = Reader::new(BufReader::new(file));
+    let wrong = |error: ParseError| parse_error(path, &error, "");
+    let mut reader = Reader::new(BufReader::new(open(path)?));
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
     let mut has_faces = false;
     for (_, element) in &header.elements {
+        // Any number of them would take no byte.
+        if element.properties.is_empty() && element.count > 0 {
+            return Err(Error::scene(path, format!("the element '{}' has no properties", element.name)));
+        }
         match element.name.as_str() {
             "vertex" => {
                 for needed in ["x", "y", "z"] {
@@ -43,6 +46,17 @@ pub fn read(path: &Path) -> Result<Mesh> {
             }
             "face" => {
                 has_faces = true;
+                let indices = ["vertex_indices", "vertex_index"].iter().find_map(|name| element.properties.get(*name));
+                match indices.map(|property| &property.data_type) {
+                    Some(PropertyType::List(_, ScalarType::Float | ScalarType::Double) | PropertyType::Scalar(_)) => {
+                        return Err(Error::scene(
+                            path,
+                            "the element 'face' has vertex indices that are no list of integers",
+                        ));
+                    }
+                    None => return Err(Error::scene(path, "the element 'face' has no property 'vertex_indices'")),
+                    Some(_) => {}
+                }
                 in_batches(&mut reader, element, &header, |index, face: Face| {
                     let [first, rest @ ..] = &face.0[..] else { return Ok(()) };
                     if rest.len() < 2 {
@@ -76,14 +90,14 @@ const BATCH: usize = 1 << 16;
 
 /// Why an element could not be taken in.
 enum Refusal {
-    Unreadable(ParseError),
+    Unreadable(ParseError, String),
     Wrong(String),
 }
 
 impl Refusal {
     fn located(&self, path: &Path) -> Error {
         match self {
-            Self::Unreadable(error) => parse_error(path, error),
+            Self::Unreadable(error, announced) => parse_error(path, error, announced),
             Self::Wrong(message) => Error::scene(path, message),
         }
     }
@@ -91,7 +105,7 @@ impl Refusal {
 
 /// Reads all elements of one kind, and hands each on with its number.
 fn in_batches<E: PropertyAccess>(
-    reader: &mut Reader<BufReader<File>>,
+    reader: &mut Reader<impl BufRead>,
     element: &ElementDef,
     header: &Header,
     mut take: impl FnMut(usize, E) -> Result<(), String>,
@@ -100,7 +114,9 @@ fn in_batches<E: PropertyAccess>(
     let mut part = element.clone();
     for first in (0..element.count).step_by(BATCH) {
         part.count = BATCH.min(element.count - first);
-        let read = parser.read_payload_for_element(reader, &part, header).map_err(Refusal::Unreadable)?;
+        let read = parser.read_payload_for_element(reader, &part, header).map_err(|error| {
+            Refusal::Unreadable(error, format!("; the header announces {} of '{}'", element.count, element.name))
+        })?;
         for (index, item) in read.into_iter().enumerate() {
             take(first + index, item).map_err(Refusal::Wrong)?;
         }
@@ -108,8 +124,8 @@ fn in_batches<E: PropertyAccess>(
     Ok(())
 }
 
-/// The parser's error as one line: its own first line, and the text that it could not read.
-fn parse_error(path: &Path, error: &ParseError) -> Error {
+/// The parser's error as one line: its own first line, the text that it could not read, and what was announced.
+fn parse_error(path: &Path, error: &ParseError, announced: &str) -> Error {
     let message = error.to_string();
     let mut lines = message.lines().map(|line| line.trim().trim_end_matches(['.', ':']));
     let mut what = lines.next().unwrap_or("unreadable");
@@ -118,7 +134,7 @@ fn parse_error(path: &Path, error: &ParseError) -> Error {
     }
     let text = lines.find_map(|line| line.strip_prefix("String: '"));
     let text = text.map_or(String::new(), |text| format!(": '{}'", text.trim_end_matches('\'')));
-    let message = format!("not a valid PLY file: {what}{text}");
+    let message = format!("not a valid PLY file: {what}{text}{announced}");
     match error.line().and_then(|line| u32::try_from(line).ok()) {
         Some(line) => Error::scene_line(path, line, message),
         None => Error::scene(path, message),

@@ -11,7 +11,9 @@ use flate2::bufread::ZlibDecoder;
 use glam::{DVec3, Vec2};
 
 use super::Mesh;
+use super::limits::{DEFLATE_RATIO, MESH_BYTES, MESH_NAME};
 use crate::error::{Error, Result};
+use crate::input::open;
 
 const MAGIC: u16 = 0x041c;
 const HAS_NORMALS: u32 = 0x0001;
@@ -19,12 +21,6 @@ const HAS_UVS: u32 = 0x0002;
 const HAS_COLOURS: u32 = 0x0008;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Bytes of the largest mesh, decompressed.
-const MAX_BYTES: u64 = 4 << 30;
-/// Bytes that one byte of a DEFLATE stream stands for at most.
-const MAX_RATIO: u64 = 1032;
-/// Bytes of the longest name.
-const MAX_NAME: u64 = 1 << 16;
 /// Items that are read at once.
 const BLOCK: u64 = 4096;
 
@@ -33,7 +29,7 @@ const BLOCK: u64 = 4096;
 pub(super) fn read(path: &Path, index: u32) -> Result<Mesh> {
     let failed = |error: std::io::Error| Error::read(path, error);
     let wrong = |message: String| Error::scene(path, message);
-    let mut file = File::open(path).map_err(failed)?;
+    let mut file = open(path)?;
     let bytes = file.metadata().map_err(failed)?.len();
     let version = header(path, &mut file)?;
     if index > 0 {
@@ -52,7 +48,7 @@ pub(super) fn read(path: &Path, index: u32) -> Result<Mesh> {
     let mut stream = Stream {
         path,
         inner: ZlibDecoder::new(BufReader::new(file)),
-        left: compressed.saturating_mul(MAX_RATIO).min(MAX_BYTES),
+        left: compressed.saturating_mul(DEFLATE_RATIO).min(MESH_BYTES),
     };
     stream.mesh(version)
 }
@@ -60,8 +56,10 @@ pub(super) fn read(path: &Path, index: u32) -> Result<Mesh> {
 /// The version, if this is the header of a mesh.
 fn header(path: &Path, file: &mut File) -> Result<u16> {
     let mut bytes = [0; 4];
-    file.read_exact(&mut bytes)
-        .map_err(|error| Error::scene(path, format!("not a serialized mesh: its header cannot be read: {error}")))?;
+    file.read_exact(&mut bytes).map_err(|error| match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => Error::scene(path, "not a serialized mesh: the file ends in its header"),
+        _ => Error::read(path, error),
+    })?;
     let [magic, version] = [[bytes[0], bytes[1]], [bytes[2], bytes[3]]].map(u16::from_le_bytes);
     match (magic, version) {
         (MAGIC, 3 | 4) => Ok(version),
@@ -156,12 +154,12 @@ impl Stream<'_> {
 
     /// Reads past a string that ends with a zero.
     fn skip_name(&mut self) -> Result<()> {
-        for _ in 0..MAX_NAME {
+        for _ in 0..MESH_NAME {
             if self.bytes("name")? == [0] {
                 return Ok(());
             }
         }
-        Err(self.wrong(format!("the mesh's name has more than {MAX_NAME} bytes: this is not a serialized mesh")))
+        Err(self.wrong(format!("the mesh's name has more than {MESH_NAME} bytes: this is not a serialized mesh")))
     }
 
     /// Reads vectors of `N` numbers in single or double precision.
@@ -390,7 +388,7 @@ mod tests {
         refused(&with(3, 1, &[0, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0]), 0, "vertex 3");
         // A name that never ends.
         let mut data = 0x1000u32.to_le_bytes().to_vec();
-        data.extend(vec![b'x'; 2 * MAX_NAME as usize]);
+        data.extend(vec![b'x'; 2 * MESH_NAME as usize]);
         refused(&file(4, &[pack(4, &data)]), 0, "name");
         // A stream that unpacks to far more than it should: no more of it is read than the counts ask for.
         let bomb = with(3, 1, &vec![0; 64 << 20]);

@@ -10,6 +10,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::input::read_text;
+use crate::scene::limits::SPECTRUM_BYTES;
 
 /// Wavelength of the first entry of the tables, nm.
 const FIRST: f64 = 360.0;
@@ -27,9 +28,6 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] =
 
 /// CIE illuminant E of luminance 1 in linear sRGB, the colour of a uniform emission spectrum.
 pub(super) const EQUAL_ENERGY_WHITE: [f64; 3] = [1.204_794, 0.948_291, 0.908_916];
-
-/// Bytes of the largest spectrum file.
-const MAX_BYTES: u64 = 16 << 20;
 
 /// The light that a spectrum is seen under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,7 +60,7 @@ impl Spectrum {
 
     /// From a file with a wavelength in nm and a value on each line; `#` starts a comment.
     pub(super) fn read(path: &Path) -> Result<Self> {
-        let text = read_text(path, MAX_BYTES)?;
+        let text = read_text(path, SPECTRUM_BYTES)?;
         let mut spectrum = Self { samples: Vec::new() };
         for (index, line) in text.lines().enumerate() {
             let data = line.split('#').next().unwrap_or_default();

@@ -6,9 +6,8 @@ use gltf::json::validation::Checked;
 use super::buffers::Buffers;
 use super::document::Document;
 use crate::error::Result;
+use crate::scene::limits::ZEROS;
 
-/// The most elements of an accessor that no bytes of its own stand for.
-const MAX_ZEROS: u64 = 1 << 20;
 /// Vertices beyond this would not survive single precision's arithmetic.
 const MAX_VALUE: f32 = 1e18;
 
@@ -125,10 +124,10 @@ impl<'a> Accessors<'a> {
                 let run = self.run(view.value(), offset, count, size, element)?;
                 Ok((count as usize, Some(run)))
             }
-            None if count <= MAX_ZEROS => Ok((count as usize, None)),
+            None if count <= ZEROS => Ok((count as usize, None)),
             None => Err(self.document.wrong(
                 element,
-                format!("has {count} elements and no bufferView: of those, {MAX_ZEROS} are the most that are read"),
+                format!("has {count} elements and no bufferView: of those, {ZEROS} are the most that are read"),
             )),
         }
     }
@@ -146,6 +145,12 @@ impl<'a> Accessors<'a> {
             return Err(self.document.wrong(element, "sparse.indices.componentType is unknown"));
         };
         let (component, count) = (component.0, sparse.count.0);
+        if count > accessor.count.0 {
+            return Err(self.document.wrong(
+                element,
+                format!("sparse.count is {count}, and the accessor has {} elements", accessor.count.0),
+            ));
+        }
         let indices = &sparse.indices;
         let places = self.run(
             indices.buffer_view.value(),

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::document::Document;
 use super::uri::{Resource, resolve};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::input::read_bytes;
+use crate::scene::limits::FILE_BYTES;
 
 /// The bytes of all buffers.
 #[derive(Debug)]
@@ -24,15 +26,6 @@ pub(super) struct View<'a> {
     pub stride: Option<usize>,
 }
 
-/// Reads a file that a scene names; devices and pipes, which may have no end, are refused.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>> {
-    let meta = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-    if !meta.is_file() {
-        return Err(Error::read(path, "it is not a file"));
-    }
-    std::fs::read(path).map_err(|error| Error::read(path, error))
-}
-
 impl Buffers {
     /// Reads them all; a file that several name is read once.
     pub fn read(document: &Document) -> Result<Self> {
@@ -47,7 +40,7 @@ impl Buffers {
                     Resource::File(path) => match files.get(&path) {
                         Some(place) => *place,
                         None => {
-                            let place = all.push(read_file(&path)?);
+                            let place = all.push(read_bytes(&path, FILE_BYTES)?);
                             files.insert(path, place);
                             place
                         }

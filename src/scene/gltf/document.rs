@@ -10,6 +10,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Map;
 
 use crate::error::{Error, Result, one_of};
+use crate::input::read_bytes;
+use crate::scene::limits::{FILE_BYTES, JSON_BYTES};
 
 /// The first chunk of a .glb.
 const JSON: [u8; 4] = *b"JSON";
@@ -83,9 +85,13 @@ pub(super) struct Document {
 impl Document {
     /// Reads the file and takes its JSON apart.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|error| Error::read(path, error))?;
+        let bytes = read_bytes(path, FILE_BYTES)?;
         let (text, binary) = if bytes.starts_with(b"glTF") { split_binary(path, &bytes)? } else { (&bytes[..], None) };
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+        if text.len() > JSON_BYTES {
+            let message = format!("its JSON has {} bytes, and {JSON_BYTES} is the most that is read", text.len());
+            return Err(Error::scene(path, message));
+        }
         let value: Value = serde_json::from_slice(text)
             .map_err(|error| Error::scene(path, format!("not a glTF file: its JSON is wrong: {error}")))?;
         let Value::Object(mut root) = value else {

@@ -7,12 +7,13 @@ use glam::DMat3;
 use gltf::json::Value;
 use serde::Deserialize;
 
-use super::buffers::read_file;
 use super::document::{Document, SceneEntry};
 use super::uri::{Resource, resolve};
 use crate::error::Result;
+use crate::input::read_bytes;
 use crate::scene::SceneBuilder;
 use crate::scene::image_file::{Encoding, decode_texture};
+use crate::scene::limits::FILE_BYTES;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 #[derive(Deserialize)]
@@ -49,7 +50,7 @@ pub(super) fn load(document: &Document, scene: &SceneEntry, builder: &mut SceneB
     }
     let folder = document.path.parent().unwrap_or(Path::new(""));
     let image = match resolve(folder, &environment.uri).map_err(|message| document.wrong(&element, message))? {
-        Resource::File(path) => decode_texture(&read_file(&path)?, &path, Encoding::Srgb)?,
+        Resource::File(path) => decode_texture(&read_bytes(&path, FILE_BYTES)?, &path, Encoding::Srgb)?,
         Resource::Data(bytes) => {
             let inside = format!("{}: {element}", document.path.display());
             decode_texture(&bytes, Path::new(&inside), Encoding::Srgb)?

@@ -9,9 +9,7 @@ use super::accessors::Accessors;
 use super::tangents;
 use crate::error::Result;
 use crate::scene::Mesh;
-
-/// The most vertices and triangles of a file, all uses counted.
-const MAX_ELEMENTS: u64 = 1 << 27;
+use crate::scene::limits::ELEMENTS;
 
 const SMALL: &[ComponentType] =
     &[ComponentType::F32, ComponentType::I8, ComponentType::U8, ComponentType::I16, ComponentType::U16];
@@ -46,10 +44,10 @@ impl<'a> Primitives<'a> {
     /// Counts vertices and triangles that the scene is to hold.
     pub fn count(&mut self, element: &str, more: usize) -> Result<()> {
         self.elements += more as u64;
-        if self.elements > MAX_ELEMENTS {
+        if self.elements > ELEMENTS {
             return Err(self.accessors.document.wrong(
                 element,
-                format!("the scene has more than {MAX_ELEMENTS} vertices and triangles by here, and no more are read"),
+                format!("the scene has more than {ELEMENTS} vertices and triangles by here, and no more are read"),
             ));
         }
         Ok(())

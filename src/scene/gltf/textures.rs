@@ -8,12 +8,14 @@ use gltf::json::material::NormalTexture;
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 
-use super::buffers::{Buffers, read_file};
+use super::buffers::Buffers;
 use super::document::Document;
 use super::uri::{Resource, resolve};
 use crate::error::Result;
+use crate::input::read_bytes;
 use crate::scene::SceneBuilder;
 use crate::scene::image_file::{Encoding, decode_texture};
+use crate::scene::limits::FILE_BYTES;
 use crate::scene::texture::{Pattern, Texels, TextureDescription, Wrap};
 
 /// What a material says of one of its textures.
@@ -146,7 +148,7 @@ impl<'a> Textures<'a> {
         }
         let inside = PathBuf::from(format!("{}: {name}", document.path.display()));
         let texels = match &place {
-            Bytes::File(path) => decode_texture(&read_file(path)?, path, encoding)?,
+            Bytes::File(path) => decode_texture(&read_bytes(path, FILE_BYTES)?, path, encoding)?,
             Bytes::View(view) => decode_texture(self.buffers.view(document, *view, &name)?.bytes, &inside, encoding)?,
             Bytes::Inside(_) => decode_texture(&data, &inside, encoding)?,
         };
@@ -155,6 +157,7 @@ impl<'a> Textures<'a> {
             Texels::Float(texels) => texels.iter().any(|texel| texel[3] < 1.0),
         };
         let image = Image { index: builder.image(texels), has_alpha };
+        builder.within_limits()?;
         self.images.insert((place, encoding), image);
         Ok(image)
     }

@@ -12,7 +12,7 @@ impl Loader {
             // Wrappers that add channels of their own: the technique is the one inside.
             "moment" | "aov" => {
                 object.optional_text("aovs")?;
-                for inner in object.objects_of("integrator") {
+                if let Some(inner) = object.object_of("integrator")? {
                     self.set_integrator(&inner)?;
                 }
             }

@@ -47,6 +47,7 @@ pub fn load(path: &Path, defines: &Defines) -> Result<SceneBuilder> {
     };
     for child in scene.objects() {
         loader.add(&child)?;
+        loader.builder.within_limits()?;
     }
     scene.finish()?;
     loader.builder.warnings.extend(scene.take_warnings());

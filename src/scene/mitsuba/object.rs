@@ -10,6 +10,7 @@ use glam::{DAffine3, DVec3};
 use super::document::{Element, resolve};
 use super::transform;
 use crate::error::{Error, Result, all_of, one_of};
+use crate::scene::limits::DEPTH;
 use crate::scene::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
 
 /// Elements that are objects: they have a `type` and can be referred to by `id`.
@@ -26,6 +27,8 @@ pub(super) struct Object {
     line: u32,
     properties: BTreeMap<String, Property>,
     children: Vec<Child>,
+    /// Objects below it on the longest way down, references included.
+    depth: usize,
     asked: RefCell<Vec<&'static str>>,
     warnings: Warnings,
 }
@@ -56,8 +59,27 @@ enum Value {
     Vector(DVec3),
     Rgb([f64; 3]),
     Uniform(f64),
-    Spectrum(Spectrum),
+    /// A spectrum's colours; its samples could be many times the text that names their file.
+    Spectrum(SpectrumColours),
     Transform(DAffine3),
+}
+
+/// A spectrum as linear sRGB.
+#[derive(Clone, Copy, Debug)]
+struct SpectrumColours {
+    /// Of what emits.
+    emission: [f64; 3],
+    /// Of what reflects, and of pure numbers.
+    reflectance: [f64; 3],
+}
+
+impl From<Spectrum> for SpectrumColours {
+    fn from(spectrum: Spectrum) -> Self {
+        Self {
+            emission: spectrum.linear_srgb(Illuminant::EqualEnergy),
+            reflectance: spectrum.linear_srgb(Illuminant::D65),
+        }
+    }
 }
 
 impl Value {
@@ -109,6 +131,7 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
         line: element.line,
         properties: BTreeMap::new(),
         children: Vec::new(),
+        depth: 0,
         asked: RefCell::default(),
         warnings: warnings.clone(),
     };
@@ -135,6 +158,11 @@ fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result
                 return Err(child.error(format!("the property '{name}' is given twice")));
             }
         }
+    }
+    // References make chains that are as long as the file.
+    object.depth = object.children.iter().map(|child| child.object.depth + 1).max().unwrap_or(0);
+    if object.depth > DEPTH {
+        return Err(element.error(format!("objects are nested more than {DEPTH} deep, references included")));
     }
     let object = Rc::new(object);
     if let Some(id) = &object.id
@@ -205,14 +233,16 @@ fn parse_spectrum(element: &Element) -> Result<Value> {
     match (element.attributes.get("value"), element.attributes.get("filename")) {
         (Some(text), None) => match number(text) {
             Some(level) => Ok(Value::Uniform(level)),
-            None if text.contains(':') => Spectrum::parse(text).map(Value::Spectrum).map_err(wrong),
+            None if text.contains(':') => {
+                Spectrum::parse(text).map(|spectrum| Value::Spectrum(spectrum.into())).map_err(wrong)
+            }
             None => {
                 Err(wrong(format!("'{text}' is neither a number nor wavelength:value pairs such as 400:0.1, 700:0.5")))
             }
         },
         (None, Some(name)) => {
             let file = resolve(&element.file, name);
-            Spectrum::read(&file).map(Value::Spectrum).map_err(|error| match error {
+            Spectrum::read(&file).map(|spectrum| Value::Spectrum(spectrum.into())).map_err(|error| match error {
                 Error::File { cause, .. } => wrong(format!("cannot read {}: {cause}", file.display())),
                 other => other,
             })
@@ -392,10 +422,9 @@ impl Object {
     }
 
     /// A spectrum's colour; what linear sRGB cannot hold is clamped, as Mitsuba does, with a warning.
-    fn clamped(&self, name: &str, property: &Property, spectrum: &Spectrum, role: Colour) -> [f64; 3] {
-        let illuminant = if role == Colour::Emission { Illuminant::EqualEnergy } else { Illuminant::D65 };
+    fn clamped(&self, name: &str, property: &Property, spectrum: &SpectrumColours, role: Colour) -> [f64; 3] {
         let most = if role == Colour::Reflectance { 1.0 } else { f64::INFINITY };
-        let colour = spectrum.linear_srgb(illuminant);
+        let colour = if role == Colour::Emission { spectrum.emission } else { spectrum.reflectance };
         let clamped = colour.map(|channel| channel.clamp(0.0, most));
         if clamped != colour {
             let ([r, g, b], range) = (colour, if most == 1.0 { "0 to 1" } else { "0 or more" });

@@ -124,6 +124,7 @@ impl Loader {
                 return Err(shape.error(format!("{} cannot be inside a shapegroup", shape.title())));
             }
             self.add_shape(&shape, group)?;
+            self.builder.within_limits()?;
         }
         object.finish()?;
         Ok(group)

@@ -1,0 +1,5 @@
+#![no_main]
+
+use lumbre_fuzz::{Format, run};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| run(Format::Image, bytes));

@@ -1,0 +1,42 @@
+//! What is the most that is read, in one place: a file can claim anything, and a few bytes can stand for very many. Each limit
+//! is far above what scenes need, and the error that it gives names it.
+
+/// Bytes of a file that is read whole: an image, a buffer, a .glb.
+pub(super) const FILE_BYTES: u64 = 4 << 30;
+
+/// Bytes of the XML of a scene, and of all that it includes, again each time.
+pub(super) const XML_BYTES: u64 = 256 << 20;
+/// Elements of the XML of a scene, and of all that it includes.
+pub(super) const XML_ELEMENTS: u32 = 1 << 20;
+/// Files that include each other more deeply than this are taken for a cycle.
+pub(super) const INCLUDES: usize = 16;
+/// Elements, and objects by way of references, nested in each other: what reads them is recursive, and no scene needs more.
+pub(super) const DEPTH: usize = 64;
+/// Bytes that parameters stand for where they are used, all uses together: parameters may hold other parameters.
+pub(super) const PARAMETER_BYTES: usize = 16 << 20;
+/// Bytes of a file with a spectrum.
+pub(super) const SPECTRUM_BYTES: u64 = 16 << 20;
+
+/// Bytes of the JSON of a glTF file; in memory it takes many times that.
+pub(super) const JSON_BYTES: usize = 256 << 20;
+/// Elements of a glTF accessor that no bytes of its own stand for.
+pub(super) const ZEROS: u64 = 1 << 20;
+
+/// Vertices and triangles of a scene, those of a mesh that is placed once for each group that it is in.
+pub(super) const ELEMENTS: u64 = 1 << 27;
+/// Materials of a scene, copies for bump and normal maps counted.
+pub(super) const MATERIALS: usize = 1 << 20;
+/// Bytes of a serialized mesh, decompressed.
+pub(super) const MESH_BYTES: u64 = 4 << 30;
+/// Bytes of the name of a serialized mesh.
+pub(super) const MESH_NAME: u64 = 1 << 16;
+
+/// Texels of an image.
+pub(super) const TEXELS: u64 = 1 << 28;
+/// The longest side of an image.
+pub(super) const SIDE: u32 = 1 << 16;
+/// Bytes of all images of a scene, decoded.
+pub(super) const IMAGE_BYTES: u64 = 4 << 30;
+
+/// Bytes that one byte of a DEFLATE stream stands for at most: one bit for 258 bytes and one more for their distance.
+pub(super) const DEFLATE_RATIO: u64 = 1032;
