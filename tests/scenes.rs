@@ -429,7 +429,7 @@ fn includes_and_parameters_are_resolved() {
     let plain = lumbre::scene::load(&path, &LoadOptions::default()).unwrap();
     assert_eq!((plain.background, plain.primitives[0].v1[0]), (Some([0.25, 0.0, 0.25]), 2.0));
     let defines = vec![(String::from("level"), String::from("3")), (String::from("radius"), String::from("0.5"))];
-    let defined = lumbre::scene::load(&path, &LoadOptions { defines }).unwrap();
+    let defined = lumbre::scene::load(&path, &LoadOptions { defines, ..LoadOptions::default() }).unwrap();
     assert_eq!((defined.background, defined.primitives[0].v1[0]), (Some([3.0, 0.0, 3.0]), 0.5));
 }
 

@@ -63,6 +63,10 @@ struct SceneArgs {
     /// Set a parameter of a Mitsuba scene
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
     defines: Vec<(String, String)>,
+
+    /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does not
+    #[arg(long)]
+    energy_compensation: bool,
 }
 
 impl DeviceArgs {
@@ -84,8 +88,12 @@ impl DeviceArgs {
 }
 
 impl SceneArgs {
+    fn options(&self) -> LoadOptions {
+        LoadOptions { defines: self.defines.clone(), energy_compensation: self.energy_compensation }
+    }
+
     fn load(&self) -> Result<Scene> {
-        lumbre::scene::load(&self.scene, &LoadOptions { defines: self.defines.clone() })
+        lumbre::scene::load(&self.scene, &self.options())
     }
 }
 

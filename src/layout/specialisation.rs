@@ -148,6 +148,8 @@ specialisation! {
     46 camera CAMERA: uint;
     /// Some emitting triangle is large beside the scene: triangles are sampled by solid angle where that is large.
     60 large_lights HAS_LARGE_LIGHTS: bool;
+    /// Some rough metal or rough glass gets back what it loses to multiple scattering.
+    70 energy_compensation HAS_ENERGY_COMPENSATION: bool;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.
@@ -177,4 +179,5 @@ pub const RARE: &[&str] = &[
     "HAS_BECKMANN",
     "HAS_ABSORPTION",
     "HAS_COLOURS",
+    "HAS_ENERGY_COMPENSATION",
 ];

@@ -10,6 +10,9 @@ use crate::error::{Error, Result};
 pub struct LoadOptions {
     /// Parameters of a Mitsuba scene, `-D name=value`.
     pub defines: Vec<(String, String)>,
+    /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does
+    /// not.
+    pub energy_compensation: bool,
 }
 
 /// Reads a scene; the extension says which format it is in.
@@ -20,8 +23,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     {
         return Err(Error::Usage(format!("-D {name}: only Mitsuba scenes (.xml) have parameters")));
     }
+    if extension != "xml" && options.energy_compensation {
+        return Err(Error::Usage(String::from(
+            "energy compensation is for rough metals and rough glass of Mitsuba scenes (.xml): other formats have none",
+        )));
+    }
     match extension.as_str() {
-        "xml" => mitsuba::load(path, &options.defines),
+        "xml" => mitsuba::load(path, options),
         "gltf" | "glb" => gltf::load(path),
         "obj" => obj::load(path),
         "ply" => {

@@ -58,7 +58,8 @@ pub fn scene_path(name: &str) -> PathBuf {
 /// A scene of the canon with parameters.
 pub fn canon(name: &str, defines: &[(&str, &str)]) -> Scene {
     let defines = defines.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
-    lumbre::scene::load(&scene_path(name), &LoadOptions { defines }).expect("a scene of the canon")
+    lumbre::scene::load(&scene_path(name), &LoadOptions { defines, ..LoadOptions::default() })
+        .expect("a scene of the canon")
 }
 
 /// Settings for a technique on a backend, by the scene's own film.
