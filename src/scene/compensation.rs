@@ -45,13 +45,16 @@ impl Rows {
     }
 
     /// Points in azimuth and angle of the rule that normals are integrated by, and the share of the circle that the azimuth
-    /// covers: half, where the other half mirrors it. More rows take fewer points each.
-    fn rule(self, beckmann: bool) -> Vec<(f64, f64, f64)> {
+    /// covers: half, where the other half mirrors it. More rows take fewer points each; the kink where facets begin to reflect
+    /// totally, seen from the side of the greater index, takes more.
+    fn rule(self, beckmann: bool, eta: Option<f64>) -> Vec<(f64, f64, f64)> {
         let (azimuths, angles, circle) = match self {
-            Self::One => (32, 96, 0.5),
+            Self::One => (24, 96, 0.5),
             Self::Azimuth => (48, 32, 1.0),
             Self::Factor => (24, 48, 0.5),
         };
+        let times = if eta.is_some_and(|eta| eta < 1.0) { 2 } else { 1 };
+        let (azimuths, angles) = (times * azimuths, times * angles);
         let angles = gauss_legendre(angles);
         let point = |index: usize, (s, weight): &(f64, f64)| {
             let u = circle * (index as f64 + 0.5) / azimuths as f64;
@@ -101,10 +104,10 @@ fn azimuth_shares(count: usize) -> Vec<f64> {
 /// The table of a material: for each row, and for each side of glass (outside, inside), the mean of the missing energy and then
 /// [`COMPENSATION_CELLS`] values of it. Facets of relative index `eta` reflect and refract; without one they are perfect mirrors.
 pub fn table(facets: Microfacets, eta: Option<f64>, rows: Rows) -> Vec<f32> {
-    let rule = rows.rule(facets.beckmann);
     let sides = eta.map_or(vec![None], |eta| vec![Some(eta), Some(1.0 / eta)]);
-    let lines: Vec<(usize, Option<f64>)> =
-        (0..rows.count()).flat_map(|row| sides.iter().map(move |side| (row, *side))).collect();
+    let rules: Vec<_> = sides.iter().map(|side| rows.rule(facets.beckmann, *side)).collect();
+    let lines: Vec<(usize, usize)> =
+        (0..rows.count()).flat_map(|row| (0..sides.len()).map(move |side| (row, side))).collect();
     let last_row = rows.count().max(2) as f64 - 1.0;
     let values: Vec<f32> = (0..lines.len() * CELLS)
         .into_par_iter()
@@ -121,7 +124,7 @@ pub fn table(facets: Microfacets, eta: Option<f64>, rows: Rows) -> Vec<f32> {
             };
             let sine = (1.0 - mu * mu).max(0.0).sqrt();
             let w = DVec3::new(sine * (1.0f64 - sin2_phi).sqrt(), sine * sin2_phi.sqrt(), mu);
-            missing(&facets, side, w, &rule) as f32
+            missing(&facets, sides[side], w, &rules[side]) as f32
         })
         .collect();
     let mut means: Vec<f64> = values.chunks(CELLS).map(mean_of_row).collect();
@@ -239,9 +242,9 @@ mod tests {
                 for alpha in [0.01, 0.05, 0.2, 0.6, 1.0] {
                     let facets = facets(alpha, beckmann, false);
                     let lines = table(facets, eta, Rows::One);
-                    let rule = Rows::One.rule(beckmann);
                     for (side, line) in lines.chunks(CELLS + 1).enumerate() {
                         let eta = eta.map(|eta: f64| if side == 0 { eta } else { 1.0 / eta });
+                        let rule = Rows::One.rule(beckmann, eta);
                         for cell in (0..CELLS - 1).step_by(3) {
                             let mu = ((cell as f64 + 0.5) / (CELLS - 1) as f64).powi(2);
                             let w = DVec3::new((1.0 - mu * mu).sqrt(), 0.0, mu);

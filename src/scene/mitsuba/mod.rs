@@ -52,7 +52,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     scene.finish()?;
     loader.builder.warnings.extend(scene.take_warnings());
-    loader.builder.finish()
+    let mut scene = loader.builder.finish()?;
+    if options.energy_compensation && scene.compensations.is_empty() {
+        scene.warnings.push(String::from("it has no rough metal or rough glass: energy compensation changes nothing"));
+    }
+    Ok(scene)
 }
 
 /// What has been made so far; objects that several places refer to are made once.
