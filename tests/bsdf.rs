@@ -637,7 +637,7 @@ fn added(bench: &Bench, [plain, full]: [usize; 2], cos: f32) -> [f64; 3] {
 fn compensated_materials_lose_nothing() {
     const ALPHAS: [f32; 5] = [0.05, 0.15, 0.35, 0.65, 1.0];
     const COSINES: [f32; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
-    let shapes = [(false, 0), (false, MASKING_CORRELATED), (true, 0)];
+    let shapes = [(false, 0), (true, 0)];
     let indices = [None, Some(1.33f32), Some(1.5), Some(2.5)];
     let mut kinds = Vec::new();
     for eta in indices {
