@@ -625,9 +625,8 @@ fn added(bench: &Bench, [plain, full]: [usize; 2], cos: f32) -> [f64; 3] {
     let (with, without) = (ask(full), ask(plain));
     let mut sum = [0.0; 3];
     for ((with, without), weight) in with.iter().zip(&without).zip(&weights) {
-        for channel in 0..3 {
-            sum[channel] += weight * (f64::from(with.value[channel]) - f64::from(without.value[channel]));
-        }
+        let pairs = with.value.iter().zip(without.value);
+        sum.iter_mut().zip(pairs).for_each(|(sum, (with, without))| *sum += weight * f64::from(with - without));
     }
     sum
 }
