@@ -561,6 +561,11 @@ fn energy_compensation_is_for_rough_metals_and_rough_glass() {
         assert!((full - 1.0).abs() < 5e-3, "{bsdf}: {full}");
         assert!(plain < 0.9, "{bsdf}: {plain}");
     }
+    // What differs in colour only shares its table.
+    let metal = |name: &str| format!(r#"<bsdf type="roughconductor"><string name="material" value="{name}"/></bsdf>"#);
+    let scene = load(&format!(r#"<bsdf type="twosided">{}{}</bsdf>"#, metal("Au"), metal("Cu")), true);
+    let [gold, copper] = &scene.compensations[..] else { panic!("{:?}", scene.compensations) };
+    assert!(gold.table == copper.table && gold.mean_fresnel != copper.mean_fresnel, "{gold:?} {copper:?}");
     let scene = load(r#"<bsdf type="roughplastic"/>"#, true);
     assert!(scene.compensations.is_empty());
     assert!(scene.warnings.iter().any(|warning| warning.contains("energy compensation")), "{:?}", scene.warnings);
