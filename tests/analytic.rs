@@ -67,6 +67,45 @@ fn furnace_box() {
     furnace("furnace_box.xml");
 }
 
+/// What is lossless cannot be seen under a white sky: rough spheres of a perfect mirror and of glass disappear once they get
+/// back what they lose to multiple scattering, and are darker without.
+#[test]
+fn compensated_spheres_disappear_under_a_white_sky() {
+    let mirror = material::conductor([0.0; 3], [1.0; 3], [1.0; 3], Some([0.6; 2]));
+    let glass = material::dielectric(1.5, [1.0; 3], [1.0; 3], Some([0.6; 2]));
+    with_gpu(|gpu| {
+        for (name, record) in [("mirror", mirror), ("glass", glass)] {
+            let scene = |compensate: bool| {
+                let plain = material::MaterialDescription::from(record);
+                let mut builder = SceneBuilder::new(name);
+                let id = builder.material(if compensate { plain.compensated() } else { plain });
+                let surface = builder.surface(SurfaceDescription { front: Some(id), ..SurfaceDescription::default() });
+                builder.sphere(0, "sphere", DVec3::ZERO, 1.0, surface);
+                builder.background = Some([1.0; 3]);
+                let eye = DVec3::new(0.0, 0.0, 3.0);
+                builder.cameras.push(Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 20.0).unwrap());
+                builder.finish().unwrap()
+            };
+            let (full, plain) = (scene(true), scene(false));
+            for backend in backends(gpu) {
+                for row in complete() {
+                    let mean = |scene: &Scene, spp: u32| {
+                        let mut settings = settings(scene, row.name, backend);
+                        (settings.width, settings.height) = (32, 32);
+                        average(&render(gpu, scene, &settings, spp))[0]
+                    };
+                    let what = format!("{name}, {} on {}", row.name, backend.name());
+                    let (full, plain) = (mean(&full, 1024), mean(&plain, 64));
+                    let sigma = full.variance.sqrt();
+                    println!("{what}: {:.5} +- {sigma:.5} with compensation, {:.5} without", full.mean, plain.mean);
+                    assert!(sigma < 1.6e-3 && (full.mean - 1.0).abs() < 5e-3, "{what}: {} +- {sigma}", full.mean);
+                    assert!(plain.mean < 0.95, "{what}: {} without compensation", plain.mean);
+                }
+            }
+        }
+    });
+}
+
 /// The layers by path length sum to the image exactly, and to the image that is rendered without them but for rounding.
 #[test]
 fn layers_by_length_sum_to_the_image() {

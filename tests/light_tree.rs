@@ -274,7 +274,7 @@ fn densities_agree() {
 fn alley(how: LightSelection) -> Scene {
     let defines = [("width", "96"), ("height", "96"), ("max_depth", "3")];
     let defines = defines.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec();
-    load(&scene_path("many_lights.xml"), &LoadOptions { defines, lights: how }).unwrap()
+    load(&scene_path("many_lights.xml"), &LoadOptions { defines, lights: how, ..LoadOptions::default() }).unwrap()
 }
 
 /// An alley under 7560 lights: the tree's picture is that of selection by power, on every backend, with far less noise.
@@ -311,7 +311,7 @@ fn tree_and_power_agree() {
 fn the_choice_is_the_users() {
     let few = |how| {
         let defines = Vec::new();
-        load(&scene_path("veach_mis.xml"), &LoadOptions { defines, lights: how }).unwrap()
+        load(&scene_path("veach_mis.xml"), &LoadOptions { defines, lights: how, ..LoadOptions::default() }).unwrap()
     };
     assert!(few(LightSelection::Auto).light_tree.nodes.is_empty());
     assert!(!few(LightSelection::Tree).light_tree.nodes.is_empty());

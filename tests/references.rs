@@ -132,12 +132,17 @@ fn every_kind_agrees_with_mitsuba() {
 #[test]
 fn specialisation_changes_no_bit() {
     with_gpu(|gpu| {
-        for (name, backend) in [("mask", Backend::Bvh), ("directional", Backend::Bvh), ("normalmap", Backend::RayQuery)]
-        {
+        for (name, backend, energy_compensation) in [
+            ("mask", Backend::Bvh, false),
+            ("directional", Backend::Bvh, false),
+            ("roughdielectric", Backend::Bvh, true),
+            ("normalmap", Backend::RayQuery, false),
+        ] {
             if !backends(gpu).contains(&backend) {
                 continue;
             }
-            let scene = scene(name);
+            let options = LoadOptions { energy_compensation, ..LoadOptions::default() };
+            let scene = load(&folder().join(format!("{name}.xml")), &options).unwrap();
             let mut settings = settings(&scene, "path", backend);
             let lean = render(gpu, &scene, &settings, 4);
             settings.specialise = false;

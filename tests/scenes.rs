@@ -529,3 +529,48 @@ fn filters_blur_as_their_formula_says() {
         }
     });
 }
+
+/// The option reaches rough metals and rough glass, those inside of other BSDFs and with a textured roughness as well, and
+/// nothing else; under a white sky what loses nothing cannot be seen.
+#[test]
+fn energy_compensation_is_for_rough_metals_and_rough_glass() {
+    let body = |bsdf: &str| {
+        let sky = r#"<emitter type="constant"><rgb name="radiance" value="1"/></emitter>"#;
+        let camera = r#"<sensor type="perspective"><float name="fov" value="20"/>
+            <transform name="to_world"><lookat origin="0, 0, 3" target="0, 0, 0" up="0, 1, 0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="32"/><integer name="height" value="32"/><rfilter type="box"/></film></sensor>"#;
+        format!(r#"<scene version="3.0.0">{camera}{sky}<shape type="sphere">{bsdf}</shape></scene>"#)
+    };
+    let load = |bsdf: &str, energy_compensation: bool| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.xml");
+        std::fs::write(&path, body(bsdf)).unwrap();
+        lumbre::scene::load(&path, &LoadOptions { energy_compensation, ..LoadOptions::default() }).unwrap()
+    };
+    let rough = r#"<texture name="alpha" type="checkerboard"><rgb name="color0" value="0.9"/><rgb name="color1" value="0.3"/>
+        <transform name="to_uv"><scale value="3"/></transform></texture><string name="distribution" value="ggx"/>"#;
+    for bsdf in [
+        format!(r#"<bsdf type="twosided"><bsdf type="roughconductor">{rough}</bsdf></bsdf>"#),
+        format!(r#"<bsdf type="roughdielectric">{rough}</bsdf>"#),
+    ] {
+        let (full, plain) = (load(&bsdf, true), load(&bsdf, false));
+        assert_eq!((full.compensations.len(), plain.compensations.len()), (1, 0));
+        assert!(Needs::of(&full).energy_compensation && !Needs::of(&plain).energy_compensation);
+        let ([full, ..], [plain, ..]) = (mean(&full, 512), mean(&plain, 64));
+        println!("{bsdf}: {full:.5} with compensation, {plain:.5} without");
+        assert!((full - 1.0).abs() < 5e-3, "{bsdf}: {full}");
+        assert!(plain < 0.9, "{bsdf}: {plain}");
+    }
+    // What differs in colour only shares its table.
+    let metal = |name: &str| format!(r#"<bsdf type="roughconductor"><string name="material" value="{name}"/></bsdf>"#);
+    let scene = load(&format!(r#"<bsdf type="twosided">{}{}</bsdf>"#, metal("Au"), metal("Cu")), true);
+    let [gold, copper] = &scene.compensations[..] else { panic!("{:?}", scene.compensations) };
+    assert!(gold.table == copper.table && gold.mean_fresnel != copper.mean_fresnel, "{gold:?} {copper:?}");
+    let scene = load(r#"<bsdf type="roughplastic"/>"#, true);
+    assert!(scene.compensations.is_empty());
+    assert!(scene.warnings.iter().any(|warning| warning.contains("energy compensation")), "{:?}", scene.warnings);
+    let path = common::scene_path("gltf_room/room.gltf");
+    let options = LoadOptions { energy_compensation: true, ..LoadOptions::default() };
+    let error = lumbre::scene::load(&path, &options).unwrap_err().to_string();
+    assert!(error.contains("energy compensation"), "{error}");
+}

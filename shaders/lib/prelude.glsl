@@ -40,6 +40,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ble
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Plastics { Plastic at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Principleds { Principled at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Layereds { Layered at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Compensations { Compensation at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Textures { Texture at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasTable { AliasEntry at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightNodes { LightNode at[]; };

@@ -21,6 +21,7 @@ struct BsdfSample {
 #include "materials/dielectric.glsl"
 #include "materials/thin_dielectric.glsl"
 #include "materials/rough_dielectric.glsl"
+#include "materials/compensation.glsl"
 #include "materials/plastic.glsl"
 #include "materials/rough_plastic.glsl"
 #include "materials/principled.glsl"
@@ -32,6 +33,7 @@ struct Bsdf {
     Plastic plastic;
     Principled principled;
     Layered layered;
+    Compensation compensation;
 };
 
 bool is_kind(Bsdf b, bool present, uint kind) { return present && b.m.kind == kind; }
@@ -53,6 +55,7 @@ Bsdf bsdf_at(uint material, vec2 uv, vec4 colour, inout Sampler random) {
     }
     if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) b.principled = Principleds(scene.principleds).at[b.m.detail];
     if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) b.layered = Layereds(scene.layereds).at[b.m.detail];
+    if (is_compensated(b.m)) b.compensation = Compensations(scene.compensations).at[b.m.detail];
     if (HAS_COLOURS && (b.m.flags & MATERIAL_HAS_COLOURS) != 0u) b.m.reflectance *= colour.rgb;
     if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
 
@@ -95,6 +98,12 @@ bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 
 // A direction for the given uniform numbers; weight and density include the choice of the lobe.
 BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, false, 1.0);
+    float probability = 0.0; // of the lobe that compensates
+    bool compensates = false;
+    if (is_compensated(b.m)) {
+        probability = compensation_probability(b.m, b.compensation, wo);
+        compensates = compensation_chosen(probability, u.z);
+    }
     if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) s = diffuse_sample(b.m, wo, u);
     if (is_kind(b, HAS_CONDUCTOR, MATERIAL_CONDUCTOR)) s = conductor_sample(b.m, wo, u);
     if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) s = rough_conductor_sample(b.m, wo, u);
@@ -105,6 +114,7 @@ BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) s = rough_plastic_sample(b.m, b.plastic, wo, u);
     if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) s = principled_sample(b.m, b.principled, wo, u);
     if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) s = layered_sample(b.m, b.layered, wo, u);
+    if (is_compensated(b.m)) s = compensation_sample(b.m, b.compensation, wo, u, s, probability, compensates);
     return s;
 }
 
@@ -118,6 +128,7 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
     if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) f = rough_plastic_eval(b.m, b.plastic, wo, wi);
     if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) f = principled_eval(b.m, b.principled, wo, wi);
     if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) f = layered_eval(b.m, b.layered, wo, wi);
+    if (is_compensated(b.m)) f += compensation_eval(b.m, b.compensation, wo, wi);
     return f;
 }
 
@@ -131,5 +142,9 @@ float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
     if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) pdf = rough_plastic_pdf(b.m, b.plastic, wo, wi);
     if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) pdf = principled_pdf(b.m, b.principled, wo, wi);
     if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) pdf = layered_pdf(b.m, b.layered, wo, wi);
+    if (is_compensated(b.m)) {
+        float probability = compensation_probability(b.m, b.compensation, wo);
+        pdf = mix(pdf, compensation_pdf(b.m, b.compensation, wo, wi), probability);
+    }
     return pdf;
 }

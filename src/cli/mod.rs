@@ -70,6 +70,10 @@ struct SceneArgs {
     /// How lights are selected: by power, from a tree by place and direction, or auto, which takes the tree from 33 lights on
     #[arg(long, value_name = "HOW", default_value = "auto")]
     lights: LightSelection,
+
+    /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does not
+    #[arg(long)]
+    energy_compensation: bool,
 }
 
 impl DeviceArgs {
@@ -91,8 +95,16 @@ impl DeviceArgs {
 }
 
 impl SceneArgs {
+    fn options(&self) -> LoadOptions {
+        LoadOptions {
+            defines: self.defines.clone(),
+            lights: self.lights,
+            energy_compensation: self.energy_compensation,
+        }
+    }
+
     fn load(&self) -> Result<Scene> {
-        lumbre::scene::load(&self.scene, &LoadOptions { defines: self.defines.clone(), lights: self.lights })
+        lumbre::scene::load(&self.scene, &self.options())
     }
 }
 

@@ -72,6 +72,8 @@ shared_constants! {
     pub const MATERIAL_HAS_ABSORPTION = 16;
     /// Flag on [`Material::flags`]: vertex colours multiply the reflectance.
     pub const MATERIAL_HAS_COLOURS = 32;
+    /// Flag on [`Material::flags`]: what a rough metal or rough glass loses to multiple scattering comes back.
+    pub const MATERIAL_IS_COMPENSATED = 64;
 
     /// A texture of texels.
     pub const TEXTURE_IMAGE = 0;
@@ -93,6 +95,8 @@ shared_constants! {
     pub const FILTER_NEAREST_BIT = 0x10000;
     /// Cells of a rough plastic's table of transmittance.
     pub const PLASTIC_CELLS = 64;
+    /// Values of a row of a [`Compensation`]'s table.
+    pub const COMPENSATION_CELLS = 129;
 
     /// A triangle that emits from its front.
     pub const LIGHT_TRIANGLE = 0;

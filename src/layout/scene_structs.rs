@@ -58,7 +58,7 @@ shared_structs! {
         kind: uint,
         /// The `MASKING_*` and `MATERIAL_HAS_*` bits.
         flags: uint,
-        /// Index of what does not fit here: into the blends, plastics, principleds or layereds, by `kind`.
+        /// Index of what does not fit here: into the blends, plastics, principleds, layereds or compensations, by `kind`.
         detail: uint,
         /// Index into the [`MaterialTextures`], or [`NONE`].
         textures: uint,
@@ -122,6 +122,19 @@ shared_structs! {
         nonlinear: uint,
         /// First of [`PLASTIC_CELLS`] values in the float tables: transmittance of a rough coating by cosine.
         table: uint,
+    }
+
+    /// What a rough metal or rough glass loses to multiple scattering, and how it comes back.
+    pub struct Compensation {
+        /// Cosine-weighted mean of the Fresnel reflectance: of a metal per channel; of glass from outside, then nothing.
+        mean_fresnel: vec3,
+        /// Where its table begins in the float tables: rows of a mean and [`COMPENSATION_CELLS`] values each, two of them for
+        /// glass, outside and inside.
+        table: uint,
+        /// Rows; more than one where roughness is textured or anisotropic.
+        rows: uint,
+        /// Textured roughness: alpha along the first tangent in the last row. 0: rows differ by azimuth.
+        alpha: float,
     }
 
     /// Parameters of the principled BSDF (Burley 2012, 2015).
@@ -347,6 +360,8 @@ shared_structs! {
         principleds: uvec2,
         /// Device address of the [`Layered`]s.
         layereds: uvec2,
+        /// Device address of the [`Compensation`]s.
+        compensations: uvec2,
         /// Device address of the [`Texture`]s.
         textures: uvec2,
         /// Device address of tables of floats; the first 256 decode 8-bit sRGB.

@@ -150,6 +150,8 @@ specialisation! {
     60 large_lights HAS_LARGE_LIGHTS: bool;
     /// Lights are selected from a tree.
     61 light_tree HAS_LIGHT_TREE: bool;
+    /// Some rough metal or rough glass gets back what it loses to multiple scattering.
+    70 energy_compensation HAS_ENERGY_COMPENSATION: bool;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.
@@ -180,4 +182,5 @@ pub const RARE: &[&str] = &[
     "HAS_ABSORPTION",
     "HAS_COLOURS",
     "HAS_LIGHT_TREE",
+    "HAS_ENERGY_COMPENSATION",
 ];

@@ -254,6 +254,7 @@ impl Table {
         self.list("plastics", &scene.plastics);
         self.list("principled materials", &scene.principleds);
         self.list("layered materials", &scene.layereds);
+        self.list("energy compensation", &scene.compensations);
         self.list("textures", &scene.textures);
         self.list("tables", &scene.tables);
         self.list("lights", &scene.lights);

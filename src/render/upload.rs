@@ -134,6 +134,7 @@ impl Uploaded {
             plastics: upload("plastics", bytemuck::cast_slice(&scene.plastics))?,
             principleds: upload("principled materials", bytemuck::cast_slice(&scene.principleds))?,
             layereds: upload("layered materials", bytemuck::cast_slice(&scene.layereds))?,
+            compensations: upload("energy compensation", bytemuck::cast_slice(&scene.compensations))?,
             textures: upload("textures", bytemuck::cast_slice(&textures))?,
             tables: upload("tables", bytemuck::cast_slice(&scene.tables))?,
             light_count: scene.lights.len() as u32,

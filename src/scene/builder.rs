@@ -394,6 +394,7 @@ impl SceneBuilder {
             plastics: filed.plastics,
             principleds: filed.principleds,
             layereds: filed.layereds,
+            compensations: filed.compensations,
             textures: self.textures.iter().map(|texture| texture.entry(&self.images)).collect(),
             images: self.images,
             tables,

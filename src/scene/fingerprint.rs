@@ -23,6 +23,7 @@ impl Scene {
         bytes(&self.plastics, hasher);
         bytes(&self.principleds, hasher);
         bytes(&self.layereds, hasher);
+        bytes(&self.compensations, hasher);
         bytes(&self.textures, hasher);
         self.images.iter().for_each(|image| image.bytes().hash(hasher));
         bytes(&self.tables, hasher);

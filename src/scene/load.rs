@@ -12,6 +12,9 @@ pub struct LoadOptions {
     pub defines: Vec<(String, String)>,
     /// How its lights are selected.
     pub lights: LightSelection,
+    /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does
+    /// not.
+    pub energy_compensation: bool,
 }
 
 /// Reads a scene; the extension says which format it is in.
@@ -22,8 +25,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     {
         return Err(Error::Usage(format!("-D {name}: only Mitsuba scenes (.xml) have parameters")));
     }
+    if extension != "xml" && options.energy_compensation {
+        return Err(Error::Usage(String::from(
+            "energy compensation is for rough metals and rough glass of Mitsuba scenes (.xml): other formats have none",
+        )));
+    }
     let mut builder = match extension.as_str() {
-        "xml" => mitsuba::load(path, &options.defines)?,
+        "xml" => mitsuba::load(path, options)?,
         "gltf" | "glb" => gltf::load(path)?,
         "obj" => obj::load(path)?,
         "ply" => {
@@ -42,5 +50,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         }
     };
     builder.light_selection = options.lights;
-    builder.finish()
+    let mut scene = builder.finish()?;
+    if options.energy_compensation && scene.compensations.is_empty() {
+        scene.warnings.push(String::from("it has no rough metal or rough glass: energy compensation changes nothing"));
+    }
+    Ok(scene)
 }

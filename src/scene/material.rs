@@ -1,11 +1,13 @@
 //! Materials as the shaders take them, made from physical parameters.
 
-use super::plastic::{Microfacets, diffuse_reflectance, rough_coating};
+use super::compensation;
+use super::microfacets::Microfacets;
+use super::plastic::{diffuse_reflectance, rough_coating};
 use crate::layout::{
-    Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
-    MATERIAL_HAS_TRANSMISSION, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
-    MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, Material,
-    MaterialTextures, NONE, Plastic, Principled,
+    Compensation, Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION,
+    MATERIAL_HAS_TANGENTS, MATERIAL_HAS_TRANSMISSION, MATERIAL_IS_COMPENSATED, MATERIAL_LAYERED, MATERIAL_PLASTIC,
+    MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, Material, MaterialTextures, NONE, Plastic, Principled,
 };
 
 /// A material with what its record has no room for; [`super::SceneBuilder`] files each part where it belongs.
@@ -166,6 +168,14 @@ impl MaterialDescription {
         self
     }
 
+    /// The same, giving back what a rough metal or rough glass loses to multiple scattering; any other material stays as it is.
+    pub fn compensated(mut self) -> Self {
+        if matches!(self.record.kind, MATERIAL_ROUGH_CONDUCTOR | MATERIAL_ROUGH_DIELECTRIC) {
+            self.record.flags |= MATERIAL_IS_COMPENSATED;
+        }
+        self
+    }
+
     /// What plastic's coating does to light that crosses it: its transmittance by cosine where it is rough, and the share of
     /// diffuse light that it reflects from inside.
     pub(super) fn coating(&self) -> (Vec<f32>, f64) {
@@ -174,7 +184,7 @@ impl MaterialDescription {
             return (Vec::new(), diffuse_reflectance(1.0 / eta));
         }
         let beckmann = self.record.flags & MICROFACET_BECKMANN != 0;
-        rough_coating(if beckmann { Microfacets::Beckmann(alpha) } else { Microfacets::Ggx(alpha) }, eta)
+        rough_coating(Microfacets::isotropic(alpha, beckmann), eta)
     }
 
     /// Whether light passes through it, so that it is the same material seen from both sides.
@@ -214,14 +224,20 @@ pub(super) struct Filed {
     pub plastics: Vec<Plastic>,
     pub principleds: Vec<Principled>,
     pub layereds: Vec<Layered>,
+    pub compensations: Vec<Compensation>,
 }
 
-/// Files the materials' parts; tables of coatings go to the end of `tables`.
+/// Files the materials' parts; tables of coatings and of missing energy go to the end of `tables`.
 pub(super) fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
     let mut filed = Filed::default();
+    let mut known = compensation::Known::default();
     for description in descriptions {
         let mut record = description.record;
         match &description.detail {
+            Detail::None if record.flags & MATERIAL_IS_COMPENSATED != 0 => {
+                record.detail = filed.compensations.len() as u32;
+                filed.compensations.push(compensation::file(description, tables, &mut known));
+            }
             Detail::None => {}
             Detail::Plastic(plastic) => {
                 let (table, inside) = description.coating();

@@ -6,6 +6,7 @@
 mod alias;
 mod builder;
 pub mod camera;
+pub mod compensation;
 mod environment;
 pub mod filter;
 mod fingerprint;
@@ -20,6 +21,7 @@ pub mod load;
 pub mod material;
 mod mesh;
 mod metals;
+pub mod microfacets;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
@@ -46,8 +48,8 @@ pub use needs::Needs;
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::layout::{
-    AliasEntry, Blend, Corners, Layered, Light, LightNode, Material, MaterialTextures, Plastic, Primitive, Principled,
-    Surface, Texture,
+    AliasEntry, Blend, Compensation, Corners, Layered, Light, LightNode, Material, MaterialTextures, Plastic,
+    Primitive, Principled, Surface, Texture,
 };
 
 /// A scene, ready to be uploaded.
@@ -87,6 +89,8 @@ pub struct Scene {
     pub principleds: Vec<Principled>,
     /// What layered materials need besides.
     pub layereds: Vec<Layered>,
+    /// What compensated materials need besides.
+    pub compensations: Vec<Compensation>,
     /// Textures; each names its image where it will hold its address.
     pub textures: Vec<Texture>,
     /// Images that textures show.

@@ -4,9 +4,9 @@ use super::Scene;
 use crate::layout::{
     CAMERA_PINHOLE, LIGHT_DIRECTIONAL, LIGHT_KINDS, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT,
     LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE,
-    MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_KINDS, MATERIAL_LAYERED,
-    MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
-    MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation,
+    MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_KINDS,
+    MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC,
+    MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation,
 };
 
 /// The kinds of material by `MATERIAL_*`.
@@ -65,6 +65,8 @@ pub struct Needs {
     pub beckmann: bool,
     /// Light that is absorbed inside of materials.
     pub absorption: bool,
+    /// Rough metals or rough glass that get back what they lose to multiple scattering.
+    pub energy_compensation: bool,
     /// Per kind of light, whether there is one, by `LIGHT_*`.
     pub lights: [bool; LIGHT_KINDS as usize],
     /// Emitting triangles that are large beside the scene, so that some of it is close to them.
@@ -139,6 +141,7 @@ impl Needs {
             material_textures: textured,
             beckmann: flags & MICROFACET_BECKMANN != 0,
             absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
+            energy_compensation: flags & MATERIAL_IS_COMPENSATED != 0,
             lights,
             large_lights: scene.lights.iter().any(|light| is_large(light, scene)),
             light_tree: !scene.light_tree.nodes.is_empty(),
@@ -168,6 +171,7 @@ impl Needs {
             material_textures: true,
             beckmann: true,
             absorption: true,
+            energy_compensation: true,
             lights: [true; LIGHT_KINDS as usize],
             large_lights: Self::of(scene).large_lights,
             light_tree: Self::of(scene).light_tree,
@@ -207,6 +211,7 @@ impl Needs {
         special.material_textures = self.material_textures;
         special.beckmann = self.beckmann;
         special.absorption = self.absorption;
+        special.energy_compensation = self.energy_compensation;
         special.triangle_lights = light(LIGHT_TRIANGLE);
         special.sphere_lights = light(LIGHT_SPHERE);
         special.point_lights = light(LIGHT_POINT);
@@ -238,6 +243,7 @@ impl Needs {
             (self.material_textures, "textured materials"),
             (self.beckmann, "Beckmann microfacets"),
             (self.absorption, "absorption"),
+            (self.energy_compensation, "energy compensation"),
             (self.large_lights, "large lights"),
             (self.light_tree, "light tree"),
             (self.textured_lights, "textured lights"),

@@ -222,7 +222,7 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
 fn load(args: &BenchArgs, file: &Path, lights: LightSelection) -> Result<Scene> {
     let defines =
         if file.extension().is_some_and(|extension| extension == "xml") { args.defines.clone() } else { Vec::new() };
-    lumbre::scene::load(file, &LoadOptions { defines, lights })
+    lumbre::scene::load(file, &LoadOptions { defines, lights, ..LoadOptions::default() })
 }
 
 /// Makes the folder; refuses one that holds another bench.

@@ -9,7 +9,7 @@ use lumbre::film::{BadSample, Film, Image};
 use lumbre::gpu::Gpu;
 use lumbre::output::{NamedLayer, Picture};
 use lumbre::render::Renderer;
-use lumbre::scene::Scene;
+use lumbre::scene::{Needs, Scene};
 
 use super::super::print;
 
@@ -29,6 +29,7 @@ pub(super) struct Report {
     max_depth: i64,
     rr_depth: u32,
     filter: String,
+    energy_compensation: bool,
     rays: u64,
     seconds: Seconds,
     mrays_per_s: f64,
@@ -69,6 +70,7 @@ impl Report {
             max_depth: settings.max_depth.map_or(-1, i64::from),
             rr_depth: settings.rr_depth,
             filter: format!("{:?}", settings.filter),
+            energy_compensation: Needs::of(scene).energy_compensation,
             rays: renderer.rays(),
             seconds: Seconds {
                 load,

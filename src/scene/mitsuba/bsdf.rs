@@ -77,6 +77,7 @@ impl Loader {
             "bumpmap" => self.bump_map(object)?,
             _ => {
                 let made = self.leaf(object)?;
+                let made = if self.energy_compensation { made.compensated() } else { made };
                 Sides { front: Some(self.builder.material(made)), ..Sides::default() }
             }
         };

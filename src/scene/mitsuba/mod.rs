@@ -21,6 +21,7 @@ use std::rc::Rc;
 use super::builder::SceneBuilder;
 use super::image_file::Encoding;
 use crate::error::{Error, Result};
+use crate::scene::LoadOptions;
 use bsdf::Sides;
 use object::Object;
 
@@ -28,8 +29,8 @@ use object::Object;
 pub type Defines = [(String, String)];
 
 /// Reads a scene file, up to what [`SceneBuilder::finish`] does.
-pub fn load(path: &Path, defines: &Defines) -> Result<SceneBuilder> {
-    let root = document::read(path, defines)?;
+pub fn load(path: &Path, options: &LoadOptions) -> Result<SceneBuilder> {
+    let root = document::read(path, &options.defines)?;
     if root.tag != "scene" {
         return Err(Error::scene_line(
             &root.file,
@@ -44,6 +45,7 @@ pub fn load(path: &Path, defines: &Defines) -> Result<SceneBuilder> {
         groups: HashMap::new(),
         textures: HashMap::new(),
         images: HashMap::new(),
+        energy_compensation: options.energy_compensation,
     };
     for child in scene.objects() {
         loader.add(&child)?;
@@ -61,6 +63,8 @@ struct Loader {
     textures: HashMap<*const Object, u32>,
     images: HashMap<(PathBuf, Encoding), usize>,
     groups: HashMap<*const Object, usize>,
+    /// Rough metals and rough glass get back what they lose to multiple scattering.
+    energy_compensation: bool,
 }
 
 impl Loader {
