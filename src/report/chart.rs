@@ -50,7 +50,7 @@ pub struct Spot {
 pub struct Guide<'a> {
     /// Its slope in the logarithmic plane.
     pub slope: f64,
-    /// Where it goes: through the lowest point of all, seen along its slope, or through (1, 1).
+    /// Where it goes.
     pub through: Through,
     /// What stands beside it.
     pub label: &'a str,
@@ -59,8 +59,8 @@ pub struct Guide<'a> {
 /// Where a guide line goes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Through {
-    /// So that all points lie on or above it.
-    Lowest,
+    /// Through the end of a curve, so that the ends of all others lie on or above it.
+    BestEnd,
     /// Through (1, 1).
     Unity,
 }
@@ -124,7 +124,8 @@ impl Chart<'_> {
         );
         svg += &plane.axes(self.x, self.y);
         if let Some(guide) = &self.guide {
-            svg += &plane.guide(guide, spots());
+            let ends = self.series.iter().filter_map(|series| series.points.iter().rfind(|spot| spot.drawable()));
+            svg += &plane.guide(guide, ends);
         }
         for series in &self.series {
             svg += &plane.series(series);
@@ -180,10 +181,10 @@ impl Plane {
         )
     }
 
-    fn guide<'a>(&self, guide: &Guide, spots: impl Iterator<Item = &'a Spot>) -> String {
-        let heights = spots.map(|spot| spot.y.mean.log10() - guide.slope * spot.x.mean.log10());
+    fn guide<'a>(&self, guide: &Guide, ends: impl Iterator<Item = &'a Spot>) -> String {
+        let heights = ends.map(|spot| spot.y.mean.log10() - guide.slope * spot.x.mean.log10());
         let height = match guide.through {
-            Through::Lowest => heights.fold(f64::INFINITY, f64::min),
+            Through::BestEnd => heights.fold(f64::INFINITY, f64::min),
             Through::Unity => 0.0,
         };
         // The part of the line within both axes, in logarithms of x.
@@ -195,8 +196,8 @@ impl Plane {
         }
         let place = |log: f64| (self.x.at(10f64.powf(log)), self.y.at(10f64.powf(height + guide.slope * log)));
         let ((x0, y0), (x1, y1)) = (place(from), place(to));
-        // The label lies on the side that has no curves, which for a line through the lowest point is below.
-        let (x, y) = place(from + 0.22 * (to - from));
+        // Curves end on or above the line, so the label has most room below its right end.
+        let (x, y) = place(from + 0.8 * (to - from));
         let angle = (y1 - y0).atan2(x1 - x0).to_degrees();
         format!(
             "<g class=\"guide\"><path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\"/>\

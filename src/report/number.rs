@@ -40,7 +40,15 @@ pub fn interval(interval: &Interval) -> (String, Option<String>) {
     (figure(mean), Some(ends))
 }
 
-/// The same on one line.
+/// The same with a fixed number of decimals, for figures near 1.
+pub fn interval_fixed(interval: &Interval, decimals: i32) -> (String, Option<String>) {
+    let Interval { mean, low, high } = *interval;
+    let text = |value: f64| if value.is_finite() { fixed(value, decimals) } else { figure(value) };
+    let ends = mean.is_finite() && !(low == mean && high == mean) && !low.is_nan() && !high.is_nan();
+    (text(mean), ends.then(|| format!("[{}, {}]", text(low), text(high))))
+}
+
+/// An interval on one line.
 pub fn interval_line(value: &Interval) -> String {
     match interval(value) {
         (mean, Some(ends)) => format!("{mean} {ends}"),

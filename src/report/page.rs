@@ -59,7 +59,7 @@ fn head(results: &Results) -> String {
         fact("Device", &escape(&device.name)),
         fact("Driver", &escape(&device.driver)),
         fact("Host", &format!("{}, {} logical processors", escape(&device.host), device.processors)),
-        fact("Started", &format!("<time datetime=\"{0}\">{0}</time>", escape(&results.started))),
+        fact("Started", &started(&results.started)),
         fact("Runs", &runs),
         fact("Program", &format!("lumbre {}", escape(&results.version))),
     ];
@@ -70,6 +70,12 @@ fn head(results: &Results) -> String {
         facts.concat(),
         escape(&results.command)
     )
+}
+
+/// A time in UTC as people read it.
+fn started(time: &str) -> String {
+    let readable = time.strip_suffix('Z').map(|time| format!("{} UTC", time.replace('T', " ")));
+    format!("<time datetime=\"{}\">{}</time>", escape(time), escape(&readable.unwrap_or_else(|| time.to_owned())))
 }
 
 /// What the intervals mean, in one sentence.

@@ -23,9 +23,11 @@ fn after_samples(row: &Row) -> String {
 
 fn row_of(scene: &SceneResults, row: &Row, at: &str, pictures: &Pictures) -> String {
     let cells: String = row.cells.iter().map(|cell| cell_of(scene, cell, at, pictures)).collect();
+    // As many rows as six columns take, all of about the same length.
+    let columns = row.cells.len().div_ceil(row.cells.len().div_ceil(6).max(1)).max(2);
     let scale = row.cells.first().map_or(f64::NAN, |cell| cell.heat_scale);
     format!(
-        "<div class=\"slide\">\n<h3>All after {at}</h3>\n<div class=\"cells\">\n{cells}</div>\n\
+        "<div class=\"slide\">\n<h3>All after {at}</h3>\n<div class=\"cells\" style=\"--columns: {columns}\">\n{cells}</div>\n\
          <p class=\"scale\"><span>−{0}</span> <span class=\"ramp\" role=\"img\" aria-label=\"blue where too dark, white where equal, \
          red where too bright\"></span> <span>+{0}</span> <span class=\"quiet\">Heat maps: relative difference from the reference, \
          blue where too dark, red where too bright; full colour is {0} and beyond.</span></p>\n</div>\n",

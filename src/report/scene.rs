@@ -77,7 +77,7 @@ fn reference(reference: &Reference, scene: &str, pictures: &Pictures) -> String 
 fn what_ran(scene: &SceneResults) -> String {
     let row = |(index, variant): (usize, &VariantResults)| {
         let options = if variant.options.is_empty() { String::from("–") } else { escape(&variant.options.join(" ")) };
-        let bias = if variant.bias.is_empty() { String::from("unbiased") } else { escape(&variant.bias) };
+        let bias = if variant.bias.is_empty() { String::from("none") } else { escape(&variant.bias) };
         format!(
             "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><div>{} {}</div></th>{}</tr>\n",
             key(index),
@@ -87,15 +87,15 @@ fn what_ran(scene: &SceneResults) -> String {
                 ("Technique", escape(&variant.technique)),
                 ("Backend", escape(&variant.backend)),
                 ("Options", options),
-                ("Expectation", bias),
-                ("In kernels", kernel_share(variant)),
+                ("Bias", bias),
+                ("Time in kernels", kernel_share(variant)),
             ]
             .map(|(label, cell)| format!("<td role=\"cell\" data-label=\"{label}\"><div>{cell}</div></td>"))
             .concat()
         )
     };
     let rows: String = scene.variants.iter().enumerate().map(row).collect();
-    let heads = ["Variant", "Renderer", "Technique", "Backend", "Options", "Expectation", "In kernels"]
+    let heads = ["Variant", "Renderer", "Technique", "Backend", "Options", "Bias", "Time in kernels"]
         .map(|head| format!("<th scope=\"col\" role=\"columnheader\">{head}</th>"));
     format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"What ran\">\n<table class=\"ran\" role=\"table\">\n\
@@ -108,7 +108,7 @@ fn what_ran(scene: &SceneResults) -> String {
 fn kernel_share(variant: &VariantResults) -> String {
     let share = variant.last().and_then(|last| last.device_seconds.map(|device| device.mean / last.seconds.mean));
     match share.filter(|share| share.is_finite()) {
-        Some(share) => format!("{} % of the time", number::figure(100.0 * share)),
+        Some(share) => format!("{} %", number::figure(100.0 * share)),
         None => String::from("not measured"),
     }
 }
@@ -147,11 +147,11 @@ fn panel(scene: &SceneResults, metric: &Metric) -> String {
     let samples = chart(scene, metric, "samples per pixel", "samples per pixel", |point| exact(point.spp));
     let explain = match metric.id {
         "relmse" if scene.variants.iter().any(shows_floor) => {
-            "<p class=\"quiet\">Dashed: slope −1 through the most efficient point; along it efficiency is the same, and a curve \
+            "<p class=\"quiet\">Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve \
              twice as high needs twice the time. Dotted: the error that stays, where the bias is significant.</p>\n"
         }
         "relmse" => {
-            "<p class=\"quiet\">Dashed: slope −1 through the most efficient point; along it efficiency is the same, and a curve \
+            "<p class=\"quiet\">Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve \
              twice as high needs twice the time.</p>\n"
         }
         _ => "",
@@ -172,7 +172,7 @@ fn chart(scene: &SceneResults, metric: &Metric, unit: &str, x: &str, at: fn(&Cur
         let floor = (metric.id == "relmse" && shows_floor(variant)).then_some(variant.floor.relmse);
         Series { name: &variant.name, index, points: spots.collect(), floor }
     });
-    let guide = metric.slope.map(|(slope, label)| Guide { slope, through: Through::Lowest, label });
+    let guide = metric.slope.map(|(slope, label)| Guide { slope, through: Through::BestEnd, label });
     let text = format!("{} over {unit} for each variant on {}, both axes logarithmic", metric.name, scene.name);
     Chart { text, x, y: metric.name, series: series.collect(), guide }.draw()
 }

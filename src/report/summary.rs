@@ -3,11 +3,11 @@
 use super::chart::key;
 use super::html::escape;
 use super::number;
-use crate::bench::results::{Results, SceneResults, VariantResults};
+use crate::bench::results::{Pair, Results, SceneResults, Setup, VariantResults};
 use crate::bench::stats::Interval;
 
 /// Heads of the columns: title and unit.
-const COLUMNS: [(&str, &str); 15] = [
+const COLUMNS: [(&str, &str); 13] = [
     ("Variant", ""),
     ("Efficiency", "1/(relMSE·s)"),
     ("Ratio", "to the first"),
@@ -19,9 +19,7 @@ const COLUMNS: [(&str, &str); 15] = [
     ("Slope", ""),
     ("Bias floor", "relMSE"),
     ("Energy", "ratio"),
-    ("Load", "s"),
-    ("Build", "s"),
-    ("Compile", "s"),
+    ("Set-up", "s, apart"),
     ("Memory", "MiB, peak"),
 ];
 
@@ -61,14 +59,19 @@ pub fn verdict(scene: &SceneResults) -> String {
     };
     let caveat = if best.floor.flagged { ", but biased here" } else { "" };
     let name = format!("Most efficient: <strong>{}</strong>{caveat}", escape(&best.name));
-    match scene.pairs.iter().find(|pair| pair.variant == best.name) {
-        Some(pair) if pair.against != best.name => format!(
-            "{name}; {} times {}{}.",
-            number::interval_line(&pair.efficiency_ratio),
-            escape(&pair.against),
-            if pair.significant { "" } else { " (the difference is not significant)" }
-        ),
-        _ => format!("{name}."),
+    let pair_of = |name: &str| scene.pairs.iter().find(|pair| pair.variant == name && pair.against != name);
+    let doubt = |pair: &Pair| if pair.significant { "" } else { " (the difference is not significant)" };
+    if let Some(pair) = pair_of(&best.name) {
+        let ratio = number::interval_line(&pair.efficiency_ratio);
+        return format!("{name}; {ratio} times {}{}.", escape(&pair.against), doubt(pair));
+    }
+    let next = sorted.get(1).and_then(|(_, next)| pair_of(&next.name)).filter(|pair| pair.against == best.name);
+    match next {
+        Some(pair) => {
+            let ratio = number::interval_line(&pair.efficiency_ratio);
+            format!("{name}; next comes {} with {ratio} of its efficiency{}.", escape(&pair.variant), doubt(pair))
+        }
+        None => format!("{name}."),
     }
 }
 
@@ -107,12 +110,10 @@ fn row(scene: &SceneResults, number: usize, variant: &VariantResults, most: f64)
         last.map_or_else(|| String::from("–"), |point| number::samples(point.spp)),
         million(&variant.samples_per_s),
         variant.rays_per_s.as_ref().map_or_else(|| String::from("–"), million),
-        interval(&variant.slope),
+        fixed(&variant.slope, 2),
         floor(variant),
-        interval(&variant.energy_ratio),
-        number::figure(variant.setup.load),
-        number::figure(variant.setup.build),
-        number::figure(variant.setup.compile),
+        fixed(&variant.energy_ratio, 4),
+        set_up(&variant.setup),
         mebibytes.unwrap_or_else(|| String::from("–")),
     ];
     let cells: String = COLUMNS[1..]
@@ -133,11 +134,25 @@ fn row(scene: &SceneResults, number: usize, variant: &VariantResults, most: f64)
 
 /// An interval in a cell: the mean, and below it the ends.
 fn interval(value: &Interval) -> String {
-    let (mean, ends) = number::interval(value);
+    in_cell(number::interval(value))
+}
+
+/// The same with a fixed number of decimals.
+fn fixed(value: &Interval, decimals: i32) -> String {
+    in_cell(number::interval_fixed(value, decimals))
+}
+
+fn in_cell((mean, ends): (String, Option<String>)) -> String {
     match ends {
         Some(ends) => format!("{mean} <small>{ends}</small>"),
         None => mean,
     }
+}
+
+fn set_up(Setup { load, build, compile }: &Setup) -> String {
+    let parts = [("load", load), ("build", build), ("compile", compile)];
+    let parts = parts.map(|(part, seconds)| format!("<small>{part} {}</small>", number::figure(*seconds)));
+    format!("{} {}", number::figure(load + build + compile), parts.join(" "))
 }
 
 fn ratio(scene: &SceneResults, variant: &VariantResults) -> String {
