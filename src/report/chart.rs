@@ -71,19 +71,21 @@ struct Frame {
     class: &'static str,
     width: f64,
     height: f64,
-    x_labels: usize,
-    y_labels: usize,
 }
 
-const FRAMES: [Frame; 2] = [
-    Frame { class: "wide", width: 600.0, height: 400.0, x_labels: 8, y_labels: 8 },
-    Frame { class: "narrow", width: 350.0, height: 380.0, x_labels: 5, y_labels: 8 },
-];
+const FRAMES: [Frame; 2] =
+    [Frame { class: "wide", width: 600.0, height: 400.0 }, Frame { class: "narrow", width: 350.0, height: 380.0 }];
 /// Room for labels and titles around the curves.
 const LEFT: f64 = 68.0;
 const RIGHT: f64 = 14.0;
 const TOP: f64 = 12.0;
 const BOTTOM: f64 = 50.0;
+
+/// Distance that labels keep from each other, horizontally and vertically.
+const LABEL_WIDTH: f64 = 42.0;
+const LABEL_HEIGHT: f64 = 20.0;
+/// A guide line shorter than this has no room for its label.
+const LEAST_GUIDE: f64 = 200.0;
 
 /// The two axes of a drawing.
 struct Plane {
@@ -152,14 +154,14 @@ impl Plane {
         let mut lines = String::new();
         let mut labels = String::new();
         let class = |label: &Option<String>| if label.is_some() { "major" } else { "minor" };
-        for Tick { at, label } in self.x.ticks(self.frame.x_labels) {
+        for Tick { at, label } in self.x.ticks(LABEL_WIDTH) {
             lines += &format!("<path class=\"{}\" d=\"M{at:.1} {top}V{bottom}\"/>\n", class(&label));
             if let Some(label) = label {
                 labels +=
                     &format!("<text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>\n", bottom + 18.0);
             }
         }
-        for Tick { at, label } in self.y.ticks(self.frame.y_labels) {
+        for Tick { at, label } in self.y.ticks(LABEL_HEIGHT) {
             lines += &format!("<path class=\"{}\" d=\"M{left} {at:.1}H{right}\"/>\n", class(&label));
             if let Some(label) = label {
                 labels += &format!(
@@ -197,13 +199,17 @@ impl Plane {
         let place = |log: f64| (self.x.at(10f64.powf(log)), self.y.at(10f64.powf(height + guide.slope * log)));
         let ((x0, y0), (x1, y1)) = (place(from), place(to));
         // Curves end on or above the line, so the label has most room below its right end.
-        let (x, y) = place(from + 0.8 * (to - from));
+        let (x, y) = place(from + 0.75 * (to - from));
         let angle = (y1 - y0).atan2(x1 - x0).to_degrees();
-        format!(
-            "<g class=\"guide\"><path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\"/>\
-             <text transform=\"translate({x:.1} {y:.1}) rotate({angle:.1})\" dy=\"16\" text-anchor=\"middle\">{}</text></g>\n",
-            escape(guide.label)
-        )
+        let label = if (x1 - x0).hypot(y1 - y0) < LEAST_GUIDE {
+            String::new()
+        } else {
+            format!(
+                "<text transform=\"translate({x:.1} {y:.1}) rotate({angle:.1})\" dy=\"16\" text-anchor=\"middle\">{}</text>",
+                escape(guide.label)
+            )
+        };
+        format!("<g class=\"guide\"><path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\"/>{label}</g>\n")
     }
 
     fn series(&self, series: &Series) -> String {

@@ -61,33 +61,46 @@ impl LogScale {
         (10f64.powf(self.low), 10f64.powf(self.high))
     }
 
-    /// Ticks: at decades; where those are few, at 1, 2 and 5 times a decade; where those are few, at all digits.
-    pub fn ticks(&self, most_labels: usize) -> Vec<Tick> {
-        let first = self.low.floor() as i32;
-        let last = self.high.floor() as i32;
-        let within = |digit: u32, exponent: i32| {
-            let log = f64::from(digit).log10() + f64::from(exponent);
-            (self.low - 1e-9..=self.high + 1e-9).contains(&log)
-        };
-        let count = |digits: &[u32]| {
-            (first..=last).flat_map(|e| digits.iter().map(move |d| (*d, e))).filter(|(d, e)| within(*d, *e)).count()
-        };
-        let labelled: &[u32] = [&[1][..], &[1, 2, 5], &[1, 2, 3, 4, 5, 6, 7, 8, 9]]
-            .into_iter()
-            .find(|digits| count(digits) >= 3)
-            .unwrap_or(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
-        let decades = count(&[1]);
-        let every = decades.div_ceil(most_labels.max(1)).max(1) as i32;
-        let drawn: &[u32] = if decades > 4 { &[1] } else { &[1, 2, 3, 4, 5, 6, 7, 8, 9] };
-        let mut ticks = Vec::new();
-        for exponent in first..=last {
-            for digit in drawn.iter().filter(|digit| within(**digit, exponent)) {
-                let has_label = labelled.contains(digit) && exponent.rem_euclid(every) == 0;
-                let at = self.at(f64::from(*digit) * 10f64.powi(exponent));
-                ticks.push(Tick { at, label: has_label.then(|| number::tick(*digit, exponent)) });
+    /// Ticks, with labels at decades; where those are few, at 1, 2 and 5 times a decade; where those are few, at all digits.
+    /// Labels keep `distance` from each other.
+    pub fn ticks(&self, distance: f64) -> Vec<Tick> {
+        let exponents = self.low.floor() as i32..=self.high.floor() as i32;
+        let all: Vec<(u32, i32)> = exponents
+            .flat_map(|exponent| (1..=9).map(move |digit| (digit, exponent)))
+            .filter(|(digit, exponent)| {
+                let log = f64::from(*digit).log10() + f64::from(*exponent);
+                (self.low - 1e-9..=self.high + 1e-9).contains(&log)
+            })
+            .collect();
+        let count = |rank: u32| all.iter().filter(|(digit, _)| rank_of(*digit) <= rank).count();
+        let labelled = (0..2).find(|rank| count(*rank) >= 3).unwrap_or(2);
+        // Between many decades, further lines are no help.
+        let drawn = if count(0) > 4 { 0 } else { 2 };
+
+        let at = |digit: u32, exponent: i32| self.at(f64::from(digit) * 10f64.powi(exponent));
+        let mut labels: Vec<f64> = Vec::new();
+        for rank in 0..=labelled {
+            for (digit, exponent) in all.iter().filter(|(digit, _)| rank_of(*digit) == rank) {
+                let place = at(*digit, *exponent);
+                if labels.iter().all(|label| (label - place).abs() >= distance) {
+                    labels.push(place);
+                }
             }
         }
-        ticks
+        let ticks = all.into_iter().filter(|(digit, _)| rank_of(*digit) <= drawn).map(|(digit, exponent)| {
+            let at = at(digit, exponent);
+            Tick { at, label: labels.contains(&at).then(|| number::tick(digit, exponent)) }
+        });
+        ticks.collect()
+    }
+}
+
+/// How soon a tick at this digit is worth a label.
+fn rank_of(digit: u32) -> u32 {
+    match digit {
+        1 => 0,
+        2 | 5 => 1,
+        _ => 2,
     }
 }
 
@@ -97,17 +110,21 @@ mod tests {
 
     fn scale(values: &[f64]) -> LogScale {
         let values: Vec<Interval> = values.iter().map(|v| Interval { mean: *v, low: *v, high: *v }).collect();
-        LogScale::around(values.iter(), 0.0, 100.0).unwrap()
+        LogScale::around(values.iter(), 0.0, 300.0).unwrap()
     }
 
     #[test]
-    fn every_axis_has_two_to_eight_labels() {
+    fn every_axis_has_labels_with_room_between_them() {
         for (low, high) in [(1.0, 1.0), (0.37, 0.4), (2.1, 9.9), (1e-3, 2e-2), (5.0, 5e3), (1e-9, 1e9), (3e-12, 2e14)] {
-            let ticks = scale(&[low, high]).ticks(7);
-            let labels: Vec<&String> = ticks.iter().filter_map(|tick| tick.label.as_ref()).collect();
-            assert!((2..=9).contains(&labels.len()), "{low}..{high}: {labels:?}");
-            assert!(ticks.iter().all(|tick| (0.0..=100.0).contains(&tick.at)));
+            let ticks = scale(&[low, high]).ticks(40.0);
+            let labels: Vec<f64> = ticks.iter().filter(|tick| tick.label.is_some()).map(|tick| tick.at).collect();
+            assert!((2..=8).contains(&labels.len()), "{low}..{high}: {labels:?}");
+            assert!(labels.windows(2).all(|pair| pair[1] - pair[0] >= 40.0), "{low}..{high}: {labels:?}");
+            assert!(ticks.iter().all(|tick| (0.0..=300.0).contains(&tick.at)));
         }
+        let ticks = scale(&[1.0, 1000.0]).ticks(40.0);
+        let labels: Vec<String> = ticks.into_iter().filter_map(|tick| tick.label).collect();
+        assert_eq!(labels, ["1", "10", "100", "1000"]);
     }
 
     #[test]

@@ -59,13 +59,12 @@ pub fn verdict(scene: &SceneResults) -> String {
     };
     let caveat = if best.floor.flagged { ", but biased here" } else { "" };
     let name = format!("Most efficient: <strong>{}</strong>{caveat}", escape(&best.name));
-    let pair_of = |name: &str| scene.pairs.iter().find(|pair| pair.variant == name && pair.against != name);
     let doubt = |pair: &Pair| if pair.significant { "" } else { " (the difference is not significant)" };
-    if let Some(pair) = pair_of(&best.name) {
+    if let Some(pair) = pair_of(scene, &best.name) {
         let ratio = number::interval_line(&pair.efficiency_ratio);
         return format!("{name}; {ratio} times {}{}.", escape(&pair.against), doubt(pair));
     }
-    let next = sorted.get(1).and_then(|(_, next)| pair_of(&next.name)).filter(|pair| pair.against == best.name);
+    let next = sorted.get(1).and_then(|(_, next)| pair_of(scene, &next.name)).filter(|pair| pair.against == best.name);
     match next {
         Some(pair) => {
             let ratio = number::interval_line(&pair.efficiency_ratio);
@@ -73,6 +72,11 @@ pub fn verdict(scene: &SceneResults) -> String {
         }
         None => format!("{name}."),
     }
+}
+
+/// How a variant compares with the scene's first one.
+fn pair_of<'a>(scene: &'a SceneResults, name: &str) -> Option<&'a Pair> {
+    scene.pairs.iter().find(|pair| pair.variant == name && pair.against != name)
 }
 
 fn body(index: usize, scene: &SceneResults) -> String {
@@ -108,7 +112,7 @@ fn row(scene: &SceneResults, number: usize, variant: &VariantResults, most: f64)
         of(last.map(|point| &point.relmse)),
         of(last.map(|point| &point.seconds)),
         last.map_or_else(|| String::from("–"), |point| number::samples(point.spp)),
-        million(&variant.samples_per_s),
+        million(&variant.samples_per_s) + &speed_ratio(scene, variant),
         variant.rays_per_s.as_ref().map_or_else(|| String::from("–"), million),
         fixed(&variant.slope, 2),
         floor(variant),
@@ -156,7 +160,7 @@ fn set_up(Setup { load, build, compile }: &Setup) -> String {
 }
 
 fn ratio(scene: &SceneResults, variant: &VariantResults) -> String {
-    match scene.pairs.iter().find(|pair| pair.variant == variant.name && pair.against != variant.name) {
+    match pair_of(scene, &variant.name) {
         Some(pair) if pair.significant => {
             format!("{} <small class=\"mark sure\">significant</small>", interval(&pair.efficiency_ratio))
         }
@@ -165,6 +169,13 @@ fn ratio(scene: &SceneResults, variant: &VariantResults) -> String {
             String::from("1 <small class=\"mark\">the first</small>")
         }
         None => String::from("–"),
+    }
+}
+
+fn speed_ratio(scene: &SceneResults, variant: &VariantResults) -> String {
+    match pair_of(scene, &variant.name) {
+        Some(pair) => format!(" <small>{} × the first</small>", number::figure(pair.speed_ratio.mean)),
+        None => String::new(),
     }
 }
 
