@@ -17,7 +17,7 @@ use lumbre::report::{CSV_COLUMNS, write};
 const VARIANTS: [&str; 3] = [
     "path <on> \"bvh\" & co",
     "</script><!-- it's, \n<b>two lines</b>",
-    "a-name-without-any-place-to-break-it-that-is-longer-than-a-phone-is-wide",
+    "a_name_without_any_place_to_break_it_that_is_longer_than_a_phone_is_wide",
 ];
 
 fn exact(mean: f64) -> Interval {
@@ -52,7 +52,8 @@ fn variant(scene: usize, index: usize) -> VariantResults {
             .iter()
             .enumerate()
             .map(|(k, relmse)| {
-                let ends = Interval { mean: *relmse, low: f64::NEG_INFINITY, high: f64::NAN };
+                let (low, high) = if k == 0 { (1e-12, 1e9) } else { (f64::NEG_INFINITY, f64::NAN) };
+                let ends = Interval { mean: *relmse, low, high };
                 point(4.0 * (k + 1) as f64, 0.1 * (k + 1) as f64, ends, true)
             })
             .collect(),
@@ -248,7 +249,7 @@ fn the_most_efficient_variant_comes_first() {
     let table = &page[page.find("<table class=\"summary\"").unwrap()..];
     let table = &table[..table.find("</table>").unwrap()];
     // Infinite, finite, not a number.
-    let places = ["&lt;b&gt;two lines&lt;/b&gt;</div></th>", "&amp; co</div></th>", "is-wide</div></th>"]
+    let places = ["&lt;b&gt;two lines&lt;/b&gt;</div></th>", "&amp; co</div></th>", "is_wide</div></th>"]
         .map(|name| table.find(name).unwrap());
     assert!(places.is_sorted(), "{places:?}");
 }
@@ -450,6 +451,7 @@ fn the_page_works_in_a_browser() {
             ("3x2", "52", "inset(0px_48%_0px_0px)"),
             "{found}"
         );
+        assert_eq!(figure("dragged"), "25+80+100", "{found}");
         assert_eq!((figure("flips"), figure("chosen")), ("left+right+left", "true"), "{found}");
         assert_eq!(
             (figure("json"), figure("csv"), figure("names")),

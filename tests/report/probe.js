@@ -21,6 +21,15 @@ const probe = async (frame) => {
   press(stage, "ArrowRight");
   found.range = range.value;
   found.clip = images[1].style.clipPath.replaceAll(" ", "_");
+  // No pointer of these events exists, so none can be captured.
+  Object.assign(stage, { setPointerCapture() {}, hasPointerCapture: () => true });
+  const place = stage.getBoundingClientRect();
+  const point = (name, share) => {
+    const clientX = place.left + share * place.width;
+    stage.dispatchEvent(new view.PointerEvent(name, { clientX, clientY: place.top + 1, bubbles: true }));
+    return range.value;
+  };
+  found.dragged = point("pointerdown", 0.25) + "+" + point("pointermove", 0.8) + "+" + point("pointermove", 1.2);
   const shown = [];
   one("input[name=mode-0][value=flip]").click();
   shown.push(stage.dataset.shown);
