@@ -1,6 +1,6 @@
 //! The report of a bench: one page that needs nothing but itself, and the curves as a table for other programs.
 //!
-//! The page is well-formed as XML too, so that a test can parse it; every text from outside passes [`html::escape`].
+//! The page is well-formed as XML too, so that a test can parse it; every text from outside passes `html::escape`.
 
 mod chart;
 mod csv;

@@ -23,7 +23,7 @@ pub fn figure(value: f64) -> String {
 /// The mean of an interval, and its ends in brackets unless both are the mean.
 pub fn interval(interval: &Interval) -> (String, Option<String>) {
     let Interval { mean, low, high } = *interval;
-    if !mean.is_finite() || (low == mean && high == mean) || low.is_nan() || high.is_nan() {
+    if !has_ends(interval) {
         return (figure(mean), None);
     }
     // Both ends in the mean's power of ten: they are read against it.
@@ -40,12 +40,17 @@ pub fn interval(interval: &Interval) -> (String, Option<String>) {
     (figure(mean), Some(ends))
 }
 
-/// The same with a fixed number of decimals, for figures near 1.
+/// Whether there is more to an interval than its mean.
+fn has_ends(Interval { mean, low, high }: &Interval) -> bool {
+    let is_point = low == mean && high == mean;
+    mean.is_finite() && !is_point && !low.is_nan() && !high.is_nan()
+}
+
+/// The mean and the ends of an interval with a fixed number of decimals, for figures near 1.
 pub fn interval_fixed(interval: &Interval, decimals: i32) -> (String, Option<String>) {
     let Interval { mean, low, high } = *interval;
     let text = |value: f64| if value.is_finite() { fixed(value, decimals) } else { figure(value) };
-    let ends = mean.is_finite() && !(low == mean && high == mean) && !low.is_nan() && !high.is_nan();
-    (text(mean), ends.then(|| format!("[{}, {}]", text(low), text(high))))
+    (text(mean), has_ends(interval).then(|| format!("[{}, {}]", text(low), text(high))))
 }
 
 /// An interval on one line.
