@@ -8,6 +8,9 @@ LUMBRE = target/release/lumbre
 export LUMBRE_TEST_DEVICE ?= llvmpipe
 export LUMBRE_TEST_BACKENDS ?= all
 
+# Where set-up has brought Chromium, the test of the report must find it.
+BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
+
 .PHONY: demo build test quick clean
 
 demo: build
@@ -23,12 +26,12 @@ test:
 	$(CARGO) fmt --check
 	$(CARGO) clippy --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
-	$(CARGO) test
+	$(BROWSER) $(CARGO) test
 
 # The tests alone, for the loop of edit and try.
 quick:
 	@.ci/setup test
-	$(CARGO) test
+	$(BROWSER) $(CARGO) test
 
 clean:
 	$(CARGO) clean

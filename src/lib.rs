@@ -49,6 +49,7 @@ pub mod metrics;
 pub mod output;
 pub mod rays;
 pub mod render;
+pub mod report;
 pub mod scene;
 
 pub use error::{Error, Result};

@@ -1,0 +1,462 @@
+//! The report of a bench: a page that parses, that says what the results say, and that works in a browser.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use lumbre::bench::results::{
+    Cell, CurvePoint, Device, Floor, Pair, Reference, Results, Row, Run, SCHEMA, SceneResults, Setup, VariantResults,
+};
+use lumbre::bench::stats::Interval;
+use lumbre::report::{CSV_COLUMNS, write};
+
+/// Names that break a page or a table which does not escape them.
+const VARIANTS: [&str; 3] = [
+    "path <on> \"bvh\" & co",
+    "</script><!-- it's, \n<b>two lines</b>",
+    "a_name_without_any_place_to_break_it_that_is_longer_than_a_phone_is_wide",
+];
+
+fn exact(mean: f64) -> Interval {
+    Interval { mean, low: mean, high: mean }
+}
+
+fn around(mean: f64) -> Interval {
+    Interval { mean, low: mean * 0.9, high: mean * 1.1 }
+}
+
+fn point(spp: f64, seconds: f64, relmse: Interval, has_clock: bool) -> CurvePoint {
+    CurvePoint {
+        spp,
+        seconds: around(seconds),
+        device_seconds: has_clock.then(|| around(0.9 * seconds)),
+        relmse,
+        mse: Interval { mean: 0.5 * relmse.mean, low: -1e-3, high: relmse.high },
+        mape: exact(relmse.mean.abs().sqrt()),
+        flip: exact(0.0),
+    }
+}
+
+fn variant(scene: usize, index: usize) -> VariantResults {
+    // The first has a plain curve; the second is a single point without an interval or a clock; the third has all that
+    // has no place on a logarithmic axis.
+    let curve = match index {
+        0 => (0..6)
+            .map(|k| point(f64::from(1 << k), 0.01 * f64::from(1 << k), around(0.3 / f64::from(1 << k)), true))
+            .collect(),
+        1 => vec![point(16.5, 0.25, exact(0.02), false)],
+        _ => [0.4, 0.0, -0.01, f64::NAN, f64::INFINITY, 0.1]
+            .iter()
+            .enumerate()
+            .map(|(k, relmse)| {
+                let (low, high) = if k == 0 { (1e-12, 1e9) } else { (f64::NEG_INFINITY, f64::NAN) };
+                let ends = Interval { mean: *relmse, low, high };
+                point(4.0 * (k + 1) as f64, 0.1 * (k + 1) as f64, ends, true)
+            })
+            .collect(),
+    };
+    VariantResults {
+        name: VARIANTS[index].into(),
+        renderer: "lumbre <0.1.0>".into(),
+        technique: "path".into(),
+        backend: "bvh".into(),
+        options: if index == 0 { vec![] } else { vec!["lights=power".into(), "no-specialise".into()] },
+        bias: if index == 2 { "clamps <everything> & more".into() } else { String::new() },
+        notes: if index == 1 { vec!["its clock <differs> & so on".into()] } else { vec![] },
+        setup: Setup { load: 0.0, build: 0.25, compile: f64::NAN },
+        device_bytes: (index != 1).then_some(3 << 20),
+        curve,
+        efficiency: [around(1234.5), exact(f64::INFINITY), exact(f64::NAN)][index],
+        slope: [around(-1.0), exact(f64::NAN), around(-0.4)][index],
+        floor: Floor {
+            relmse: [-1e-5, 0.0, 0.09][index],
+            deviation: 1e-4,
+            flagged: index == 2 || (index == 0 && scene == 1),
+        },
+        energy_ratio: exact(1.0),
+        samples_per_s: around(1.5e6),
+        rays_per_s: (index != 1).then(|| around(7.5e6)),
+        runs: vec![Run { seed: 0, points: vec![], rays: None, nonfinite: 2 * index as u64, image: "a.exr".into() }],
+    }
+}
+
+fn pair(index: usize, significant: bool) -> Pair {
+    Pair {
+        variant: VARIANTS[index].into(),
+        against: VARIANTS[0].into(),
+        efficiency_ratio: if index == 1 { exact(f64::INFINITY) } else { around(0.5) },
+        speed_ratio: exact(0.0),
+        significant,
+    }
+}
+
+/// A row whose cells share one heat map: it must be in the page once.
+fn row(at: f64, picture: &str) -> Row {
+    let cell = |name: &&str| Cell {
+        variant: (*name).into(),
+        spp: 16.0,
+        seconds: 0.5,
+        relmse: 0.01,
+        picture: picture.into(),
+        crop: "pictures/crop & part.png".into(),
+        heat_map: "heat.png".into(),
+        heat_scale: 0.5,
+    };
+    Row { at, cells: VARIANTS.iter().map(cell).collect() }
+}
+
+const PICTURES: [&str; 5] = ["reference.png", "time.png", "spp.png", "pictures/crop & part.png", "heat.png"];
+
+fn scene(index: usize) -> SceneResults {
+    SceneResults {
+        name: ["box <1> & 'co'", "b"][index].into(),
+        file: "scenes/a \"b\".xml".into(),
+        width: 3,
+        height: 2,
+        max_depth: -1,
+        triangles: 1_234_567,
+        lights: 1,
+        reference: Reference {
+            image: "reference.exr".into(),
+            picture: "reference.png".into(),
+            origin: ["made", "given"][index].into(),
+            technique: (index == 0).then(|| "path".into()),
+            spp: (index == 0).then_some(65_536),
+            relmse: (index == 0).then_some(1e-6),
+        },
+        variants: (0..3).map(|number| variant(index, number)).collect(),
+        pairs: vec![pair(1, true), pair(2, false)],
+        equal_time: Some(row(0.5, "time.png")),
+        equal_spp: (index == 0).then(|| row(16.0, "spp.png")),
+    }
+}
+
+fn results() -> Results {
+    Results {
+        schema: SCHEMA.into(),
+        version: "0.1.0".into(),
+        command: "lumbre bench 'a <b>.xml' && true".into(),
+        started: "2026-01-02T03:04:05Z".into(),
+        device: Device {
+            name: "Some <GPU>".into(),
+            driver: "driver & 1".into(),
+            processors: 2,
+            host: "linux x86_64".into(),
+        },
+        seeds: 5,
+        seconds: Some(0.5),
+        spp: None,
+        confidence: 0.95,
+        scenes: (0..2).map(scene).collect(),
+    }
+}
+
+/// A folder with the pictures, each of its own colour.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("pictures")).unwrap();
+    for (index, name) in PICTURES.iter().enumerate() {
+        let picture = image::RgbImage::from_pixel(3, 2, image::Rgb([50 * index as u8, 100, 0]));
+        picture.save(folder.path().join(name)).unwrap();
+    }
+    folder
+}
+
+fn page(folder: &Path) -> String {
+    write(folder, &results()).unwrap();
+    std::fs::read_to_string(folder.join("index.html")).unwrap()
+}
+
+/// The bodies of the scripts in a page, and the page without them.
+fn scripts(page: &str) -> (Vec<&str>, String) {
+    let (mut bodies, mut rest, mut without) = (Vec::new(), page, String::new());
+    while let Some(at) = rest.find("<script") {
+        let begin = at + rest[at..].find('>').unwrap() + 1;
+        let end = begin + rest[begin..].find("</script>").expect("an end of every script");
+        bodies.push(&rest[begin..end]);
+        without += &rest[..begin];
+        rest = &rest[end..];
+    }
+    (bodies, without + rest)
+}
+
+#[test]
+fn the_page_is_well_formed_and_needs_nothing_else() {
+    let folder = folder();
+    let page = page(folder.path());
+    let (bodies, markup) = scripts(&page);
+    assert_eq!(bodies.len(), 3, "no name may open or close a script");
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(&markup, options).unwrap();
+
+    let mut ids = HashSet::new();
+    for id in document.descendants().filter_map(|node| node.attribute("id")) {
+        assert!(ids.insert(id), "the id {id} occurs twice");
+    }
+    for node in document.descendants().filter(|node| node.is_element()) {
+        for name in ["aria-labelledby", "href", "value"] {
+            let Some(target) = node.attribute(name) else { continue };
+            match (name, target.strip_prefix('#'), target.strip_prefix("data:image/png;base64,")) {
+                ("aria-labelledby", ..) => assert!(ids.contains(target), "no element {target}"),
+                ("href", Some(id), _) => assert!(ids.contains(id), "no element {id}"),
+                ("href", None, data) => assert!(data.is_some(), "the page refers to {target}"),
+                _ if node.tag_name().name() == "option" => assert!(ids.contains(target), "no picture {target}"),
+                _ => {}
+            }
+        }
+        assert!(node.attribute("src").is_none(), "everything is in the page");
+        if node.attribute("role") == Some("img") {
+            assert!(!node.attribute("aria-label").unwrap().is_empty());
+        }
+    }
+    assert!(!page.contains("http://") && !page.contains("https://") && !page.contains("url("));
+
+    // Each picture once, though the reference, the crop and the heat map are shown several times.
+    assert_eq!(page.matches("data:image/png;base64,").count(), PICTURES.len());
+    let uses = document.descendants().filter(|node| node.tag_name().name() == "use").count();
+    assert_eq!(uses, 2 + 3 * 3 * 3);
+
+    // What the results say is there as text, not as markup.
+    let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
+    let says = |text: &str| texts.iter().any(|found| found.contains(text));
+    for text in VARIANTS {
+        assert!(says(text), "{text} is not in the page");
+    }
+    for text in [
+        "its clock <differs> & so on",
+        "Biased: clamps <everything> & more",
+        "unexpected bias",
+        "lumbre bench 'a <b>.xml' && true",
+    ] {
+        assert!(says(text), "{text} is not in the page");
+    }
+    assert!(
+        says("Some <GPU>")
+            && says("2026-01-02 03:04:05 UTC")
+            && says("95 % confidence")
+            && says("1\u{202f}234\u{202f}567")
+    );
+    assert!(says("4 samples were not finite"));
+}
+
+#[test]
+fn the_most_efficient_variant_comes_first() {
+    let folder = folder();
+    let page = page(folder.path());
+    let table = &page[page.find("<table class=\"summary\"").unwrap()..];
+    let table = &table[..table.find("</table>").unwrap()];
+    // Infinite, finite, not a number.
+    let places = ["&lt;b&gt;two lines&lt;/b&gt;</div></th>", "&amp; co</div></th>", "is_wide</div></th>"]
+        .map(|name| table.find(name).unwrap());
+    assert!(places.is_sorted(), "{places:?}");
+}
+
+#[test]
+fn charts_hold_only_numbers_within_their_frame() {
+    let folder = folder();
+    let page = page(folder.path());
+    let markup = scripts(&page).1;
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let document = roxmltree::Document::parse_with_options(&markup, options).unwrap();
+    let charts: Vec<_> = document
+        .descendants()
+        .filter(|node| node.attribute("class").is_some_and(|class| class.starts_with("chart ")))
+        .collect();
+    // Two scenes, two widths: three errors over two axes (FLIP is 0 throughout), and the kernels.
+    assert_eq!(charts.len(), 2 * 2 * (3 * 2 + 1));
+    let mut markers = 0;
+    for chart in charts {
+        let view: Vec<f64> = chart.attribute("viewBox").unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
+        for node in chart.descendants().filter(|node| node.is_element()) {
+            for attribute in node.attributes().filter(|attribute| !attribute.name().starts_with("aria-")) {
+                let value = attribute.value();
+                assert!(!value.contains("NaN") && !value.contains("inf"), "{}=\"{value}\"", attribute.name());
+            }
+            if let Some(path) = node.attribute("d") {
+                let numbers = path.split(|c: char| c.is_alphabetic() || c == ' ').filter(|text| !text.is_empty());
+                for number in numbers.map(|text| text.parse::<f64>().unwrap()) {
+                    assert!((-9.0..=view[2].max(view[3])).contains(&number), "{number} in {path}");
+                }
+            }
+            markers += usize::from(node.attribute("class") == Some("marker"));
+        }
+    }
+    // 6 points of the first variant, 1 of the second, of the third those that are positive and finite: 2 of 6 as relMSE and
+    // RMSE, 3 as MAPE, whose mean is here the root of a magnitude; over time in kernels 6 and 6.
+    assert_eq!(markers, 2 * 2 * (2 * (9 + 9 + 10) + 12));
+    assert_eq!(page.matches("there is no positive figure to draw").count(), 4);
+}
+
+/// The records of a table after RFC 4180.
+fn records(text: &str) -> Vec<Vec<String>> {
+    let (mut records, mut record, mut field) = (Vec::new(), Vec::new(), String::new());
+    let mut quoted = false;
+    let mut characters = text.chars().peekable();
+    while let Some(character) = characters.next() {
+        match (character, quoted) {
+            ('"', true) if characters.peek() == Some(&'"') => field.push(characters.next().unwrap()),
+            ('"', _) => quoted = !quoted,
+            (',', false) => record.push(std::mem::take(&mut field)),
+            ('\n', false) => {
+                record.push(std::mem::take(&mut field));
+                records.push(std::mem::take(&mut record));
+            }
+            (other, _) => field.push(other),
+        }
+    }
+    assert!(!quoted && field.is_empty() && record.is_empty(), "the table ends with a line feed");
+    records
+}
+
+#[test]
+fn the_table_reads_back() {
+    let folder = folder();
+    let page = page(folder.path());
+    let table = std::fs::read_to_string(folder.path().join("results.csv")).unwrap();
+    let records = records(&table);
+    assert_eq!(records[0], CSV_COLUMNS);
+    let column = |name: &str| CSV_COLUMNS.iter().position(|column| *column == name).unwrap();
+    let results = results();
+    let mut lines = records[1..].iter();
+    for scene in &results.scenes {
+        for variant in &scene.variants {
+            for (index, point) in variant.curve.iter().enumerate() {
+                let line = lines.next().unwrap();
+                assert_eq!(line.len(), CSV_COLUMNS.len());
+                let text = |name: &str| line[column(name)].as_str();
+                assert_eq!(
+                    (text("scene"), text("variant"), text("file")),
+                    (&*scene.name, &*variant.name, &*scene.file)
+                );
+                assert_eq!((text("options"), text("point")), (&*variant.options.join(" "), &*index.to_string()));
+                for (name, interval) in [
+                    ("seconds", Some(point.seconds)),
+                    ("device_seconds", point.device_seconds),
+                    ("relmse", Some(point.relmse)),
+                    ("mse", Some(point.mse)),
+                    ("mape", Some(point.mape)),
+                    ("flip", Some(point.flip)),
+                ] {
+                    for (end, value) in [("", 0), ("_low", 1), ("_high", 2)] {
+                        let text = text(&format!("{name}{end}"));
+                        let value = interval.map(|interval| [interval.mean, interval.low, interval.high][value]);
+                        match value {
+                            None => assert_eq!(text, ""),
+                            Some(value) if value.is_nan() => assert!(text.parse::<f64>().unwrap().is_nan()),
+                            Some(value) => assert_eq!(text.parse::<f64>().unwrap(), value),
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(lines.next().is_none());
+
+    // The page holds the same table, and all of the results.
+    let bodies = scripts(&page).0;
+    let value = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
+    assert!(value(bodies[0]) == value(&serde_json::to_string(&results).unwrap()), "the page holds other results");
+    assert_eq!(serde_json::from_str::<String>(bodies[1]).unwrap(), table);
+}
+
+#[test]
+fn a_picture_that_is_missing_or_none_is_named() {
+    for name in PICTURES {
+        let folder = folder();
+        std::fs::remove_file(folder.path().join(name)).unwrap();
+        let error = write(folder.path(), &results()).unwrap_err().to_string();
+        assert!(error.contains(name) && error.lines().count() == 1, "{error}");
+        std::fs::write(folder.path().join(name), "P6 no PNG").unwrap();
+        let error = write(folder.path(), &results()).unwrap_err().to_string();
+        assert!(error.contains(name) && error.contains("PNG") && error.lines().count() == 1, "{error}");
+        assert!(!folder.path().join("index.html").exists());
+    }
+}
+
+#[test]
+fn a_bench_without_anything_has_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = Results { scenes: vec![], seeds: 1, seconds: None, spp: Some(4), ..results() };
+    write(folder.path(), &results).unwrap();
+    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    roxmltree::Document::parse_with_options(&scripts(&page).1, options).unwrap();
+    assert!(page.contains("Every variant ran once"));
+}
+
+/// Uses what there is to use in the page, and leaves what it found in the document's title.
+const PROBE: &str = include_str!("report/probe.js");
+
+/// What the page does in headless Chromium. Where there is no Chromium this says so and passes, unless
+/// `LUMBRE_TEST_CHROMIUM=required`.
+#[test]
+fn the_page_works_in_a_browser() {
+    const CHROMIUM: &str = "/usr/bin/chromium";
+    if !Path::new(CHROMIUM).exists() {
+        let required = std::env::var("LUMBRE_TEST_CHROMIUM").as_deref() == Ok("required");
+        assert!(!required, "there is no {CHROMIUM}, and LUMBRE_TEST_CHROMIUM=required asks for it");
+        eprintln!("skipped: there is no {CHROMIUM}");
+        return;
+    }
+    let folder = folder();
+    let text = serde_json::to_string(&page(folder.path())).unwrap().replace('<', "\\u003c");
+    let outer = folder.path().join("frames.html");
+    let body = format!(
+        "<!DOCTYPE html><meta charset=\"utf-8\"><title>waiting</title><body><script>const text = {text};{PROBE}</script>"
+    );
+    std::fs::write(&outer, body).unwrap();
+
+    let profile = tempfile::tempdir().unwrap();
+    let printed = folder.path().join("printed.html");
+    let flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
+                 --disable-component-update --disable-sync --virtual-time-budget=20000 --dump-dom";
+    let mut chromium = Command::new(CHROMIUM)
+        .args(flags.split_whitespace())
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(&outer)
+        .stdout(std::fs::File::create(&printed).unwrap())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    while chromium.try_wait().unwrap().is_none() {
+        if began.elapsed() > Duration::from_secs(60) {
+            chromium.kill().unwrap();
+            chromium.wait().unwrap();
+            panic!("Chromium did not end within a minute");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    let printed = std::fs::read_to_string(&printed).unwrap();
+    let title = printed.split_once("<title>").unwrap().1.split_once("</title>").unwrap().0;
+    let (wide, narrow) = title.split_once('|').unwrap_or_else(|| panic!("the page in a browser: {title}"));
+    for (found, width, kind) in [(wide, 1280, "wide"), (narrow, 390, "narrow")] {
+        let figure = |name: &str| {
+            let pairs = found.split(' ').filter_map(|pair| pair.split_once('='));
+            pairs.into_iter().find(|(key, _)| *key == name).unwrap_or_else(|| panic!("no {name}: {found}")).1
+        };
+        let number = |name: &str| figure(name).parse::<i32>().unwrap();
+        assert_eq!((figure("ready"), figure("error")), ("yes", "none"), "{found}");
+        assert!((width - 20..=width).contains(&number("window")), "{found}");
+        assert!(number("content") <= number("window"), "wider than its window of {width}: {found}");
+        let charts = vec![format!("{kind}:relmse"); 4].join("+");
+        assert_eq!(figure("charts"), charts, "{found}");
+        assert!(number("letters") >= 120, "letters of a chart are at least 12 px: {found}");
+        assert_eq!((figure("panel"), figure("off")), ("mape", "true"), "{found}");
+        assert_eq!(
+            (figure("size"), figure("range"), figure("clip")),
+            ("3x2", "52", "inset(0px_48%_0px_0px)"),
+            "{found}"
+        );
+        assert_eq!(figure("dragged"), "25+80+100", "{found}");
+        assert_eq!((figure("flips"), figure("chosen")), ("left+right+left", "true"), "{found}");
+        assert_eq!(
+            (figure("json"), figure("csv"), figure("names")),
+            (SCHEMA, "scene", "results.jsonresults.csv"),
+            "{found}"
+        );
+    }
+}
