@@ -11,7 +11,7 @@ export LUMBRE_TEST_BACKENDS ?= all
 # Where set-up has brought Chromium, the test of the report must find it.
 BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
 
-.PHONY: demo build test quick clean
+.PHONY: demo build test quick bench clean
 
 demo: build
 	@mkdir -p out
@@ -32,6 +32,12 @@ test:
 quick:
 	@.ci/setup test
 	$(BROWSER) $(CARGO) test
+
+# Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
+bench: build
+	$(LUMBRE) bench scenes/cornell.xml scenes/cornell_spheres.xml scenes/veach_mis.xml scenes/gltf_room/room.gltf \
+		-i path,path-implicit --backend bvh,ray-query -t 2.5 --seeds 5 --size 128x128 --reference-spp 2048 \
+		-o out/bench --fresh
 
 clean:
 	$(CARGO) clean

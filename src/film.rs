@@ -116,7 +116,9 @@ impl Film {
     }
 
     /// The relMSE that the variance of the samples lets expect: the mean over pixels and channels of the mean's variance over
-    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown.
+    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown. A pixel's mean is large where its variance is, by
+    /// the same bright samples, so the estimate is low by a share that falls with the number of samples: in the Cornell box 26 %
+    /// at 16, 3 % at 128. (Means of neighbours in its place were 13 % low, medians and means of similar neighbours 55 % high.)
     pub fn estimated_relmse(&self) -> Option<f64> {
         if self.spp() < 2 {
             return None;

@@ -77,6 +77,7 @@ fn variant(scene: usize, index: usize) -> VariantResults {
             flagged: index == 2 || (index == 0 && scene == 1),
         },
         energy_ratio: exact(1.0),
+        estimate_ratio: None,
         samples_per_s: around(1.5e6),
         rays_per_s: (index != 1).then(|| around(7.5e6)),
         runs: vec![Run { seed: 0, points: vec![], rays: None, nonfinite: 2 * index as u64, image: "a.exr".into() }],

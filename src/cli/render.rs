@@ -15,7 +15,7 @@ use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
 use lumbre::output::{Format, check_writable, format_of, replace_file, write_picture};
-use lumbre::render::{Renderer, Settings, Technique};
+use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
@@ -46,6 +46,10 @@ pub(super) struct RenderArgs {
     /// Render for this long instead
     #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
     time: Option<f64>,
+
+    /// Stop once the estimate of the relMSE, from the variance of the samples, is no more than this; with -n or -t at the latest there
+    #[arg(short = 'e', long, value_name = "RELMSE", value_parser = parse_error_target, allow_negative_numbers = true)]
+    error: Option<f64>,
 
     /// Size of the image in pixels
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -127,6 +131,13 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
         .ok_or_else(|| String::from("it must be a number above 0"))
 }
 
+fn parse_error_target(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|relmse| *relmse > 0.0 && relmse.is_finite())
+        .ok_or_else(|| String::from("it must be a number above 0, such as 0.01"))
+}
+
 const AOVS: [&str; 2] = ["variance", "samples"];
 
 /// What to do, checked before anything is rendered.
@@ -167,11 +178,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let mut renderer = built?;
     let mut progress = Progress::new(args.quiet, &job);
     let rendering = Instant::now();
+    let mut target = args.error.map(ErrorTarget::new);
     loop {
-        let more = renderer.advance(job.spp)?;
+        renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
+        let more = renderer.spp() < job.spp;
         let seconds = rendering.elapsed().as_secs_f64();
         progress.update(&renderer, seconds);
         if !more || interrupted.load(Ordering::Relaxed) || job.time.is_some_and(|limit| seconds >= limit) {
+            break;
+        }
+        if let Some(target) = &mut target
+            && target.is_reached(&renderer)?
+        {
             break;
         }
     }
@@ -252,13 +270,15 @@ fn settle(
         Some(0) => settings.max_depth.unwrap_or(DEFAULT_LENGTHS).clamp(1, DEFAULT_LENGTHS),
         Some(count) => count,
     };
-    let spp = match args.time {
-        Some(_) => u32::MAX,
-        None => args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP),
+    let spp = match (args.time, args.error) {
+        (Some(_), _) => u32::MAX,
+        (None, Some(_)) => args.spp.unwrap_or(u32::MAX),
+        (None, None) => args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP),
     };
     settings.expected_samples = match args.time {
         Some(seconds) if seconds < 2.0 => 0,
         Some(_) => u64::MAX,
+        None if args.error.is_some() => u64::MAX,
         None => u64::from(settings.width) * u64::from(settings.height) * u64::from(spp),
     };
     Ok((settings, Job { outputs, spp, time: args.time }))

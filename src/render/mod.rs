@@ -9,6 +9,7 @@ mod kernel;
 mod memory;
 mod probe;
 mod settings;
+mod target;
 mod upload;
 mod watch;
 
@@ -26,6 +27,7 @@ use crate::scene::Scene;
 use frames::FramePlan;
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
+pub use target::ErrorTarget;
 pub use upload::Uploaded;
 pub use watch::{Building, Watch};
 

@@ -349,8 +349,10 @@ fn obtain_reference(
     Ok((truth, described))
 }
 
+/// Writes results.json, and the page and the table that are made of it.
 fn write_results(folder: &Path, results: &Results) -> Result<()> {
     let path = folder.join("results.json");
     let text = serde_json::to_string_pretty(results).map_err(|error| Error::write(&path, error))?;
-    replace_file(&path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
+    replace_file(&path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))?;
+    lumbre::report::write(folder, results)
 }

@@ -37,6 +37,7 @@ pub(super) struct Report {
     nonfinite: u64,
     nonfinite_at: Vec<BadSample>,
     mean: [f64; 3],
+    estimated_relmse: Option<f64>,
     peak_device_bytes: u64,
 }
 
@@ -85,6 +86,7 @@ impl Report {
             nonfinite: film.nonfinite,
             nonfinite_at: film.bad_samples.clone(),
             mean: film.average(),
+            estimated_relmse: film.estimated_relmse(),
             peak_device_bytes: gpu.peak_bytes(),
         }
     }
