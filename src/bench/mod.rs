@@ -4,6 +4,7 @@
 //! interrupted bench goes on where it stopped; [`summary`] makes [`results::Results`] of the runs.
 
 mod measure;
+pub mod peer;
 pub mod reference;
 pub mod results;
 mod rows;
@@ -13,6 +14,7 @@ pub mod subject;
 mod summary;
 
 pub use measure::Truth;
+pub use peer::{Peer, SceneRequest};
 pub use run::{Bench, Limits, Variant};
 pub use subject::{Lumbre, Snapshot, Stop, Subject};
 pub use summary::Summary;
