@@ -64,7 +64,11 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
 
 fn print_table(found: &Measurement) {
     print(&format!("device     {} ({})", found.device, found.driver));
-    print(&format!("scene      {} primitives", found.primitives));
+    print(&format!(
+        "scene      {} primitives, {} B each beside the structures",
+        found.primitives,
+        size_of::<lumbre::layout::Primitive>()
+    ));
     for structure in &found.structures {
         let compiled_in = match structure.compiled_in {
             0 => String::new(),
