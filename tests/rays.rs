@@ -194,8 +194,8 @@ fn counts_of_one_leaf_of_instances_and_of_constants() {
     let rays = rays(5000);
     with_gpu(|gpu| {
         // One triangle: its node is read for every ray, and it is tested where the ray meets its box.
-        let general = Settings { specialise: false, ..settings(&alone, "path", Backend::Bvh) };
-        let found = count(gpu, &alone, &general, &rays);
+        let read = Settings { expected_samples: 1, ..settings(&alone, "path", Backend::Bvh) };
+        let found = count(gpu, &alone, &read, &rays);
         let tree = Bvh::build(&alone.primitives);
         assert_eq!(tree.nodes.len(), 1);
         assert!(found.iter().all(|count| count.closest_nodes == 1 && count.any_nodes == 1));
