@@ -1,7 +1,7 @@
 //! Speed against error: which technique and backend reaches which error in which time, and how sure that is.
 //!
 //! [`run`] measures every [`Subject`] of a scene with several seeds, in turn, and keeps each run as a file so that an
-//! interrupted bench goes on where it stopped; [`summary`] makes [`results::Results`] of the runs.
+//! interrupted bench goes on where it stopped; [`Bench::results`] makes a [`Summary`] of the runs.
 
 mod measure;
 pub mod peer;
