@@ -19,6 +19,8 @@ import time
 from math import erf, sqrt
 from pathlib import Path
 
+from mitsuba_runs import mean_and_variance, to_numpy
+
 ROOT = Path(__file__).resolve().parent.parent
 LUMBRE = ROOT / "target" / "release" / "lumbre"
 
@@ -51,10 +53,7 @@ def agree(args):
     for name in args.scenes:
         scene = ROOT / "scenes" / name
         theirs = mi.load_file(str(scene), size=str(args.size), max_depth=str(args.depth), spp="1")
-        # The variance of Mitsuba's mean comes from independent seeds.
-        runs = [np.array(mi.render(theirs, spp=args.spp // args.seeds, seed=seed + 1), dtype=np.float64)[..., :3]
-                for seed in range(args.seeds)]
-        mean, variance = np.mean(runs, axis=0), np.var(runs, axis=0, ddof=1) / args.seeds
+        mean, variance = mean_and_variance(mi, theirs, args.spp // args.seeds, args.seeds)
         for backend in args.backends:
             with tempfile.TemporaryDirectory() as folder:
                 output = Path(folder) / "image.exr"
@@ -79,7 +78,7 @@ def agree(args):
 def speed(args):
     import mitsuba as mi
 
-    pixels = args.size * args.size
+    samples = args.size * args.size * args.spp
     contestants = {}
     for backend in args.backends:
         def run(backend=backend):
@@ -88,17 +87,13 @@ def speed(args):
         contestants[f"lumbre {backend}"] = run
     for variant in args.variants:
         mi.set_variant(variant)
-        import drjit as dr
         scene = mi.load_file(str(args.scene), size=str(args.size), max_depth=str(args.depth), spp=str(args.spp))
         seeds = iter(range(1, 10_000))
         def run(variant=variant, scene=scene, seeds=seeds):
             mi.set_variant(variant)
             started = time.perf_counter()
-            image = mi.render(scene, spp=args.spp, seed=next(seeds))
-            if "llvm" in variant:
-                dr.eval(image)
-                dr.sync_thread()
-            return pixels * args.spp / (time.perf_counter() - started) / 1e6
+            to_numpy(mi, mi.render(scene, spp=args.spp, seed=next(seeds)))
+            return samples / (time.perf_counter() - started) / 1e6
         contestants[f"mitsuba {variant}"] = run
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "image.png"

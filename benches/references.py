@@ -13,6 +13,8 @@ import sys
 import zlib
 from pathlib import Path
 
+from mitsuba_runs import mean_and_variance
+
 FOLDER = Path(__file__).resolve().parent.parent / "tests" / "references"
 SPP, SEEDS = 512, 16
 
@@ -194,8 +196,7 @@ def main():
     wanted = sys.argv[1:] or [name for name in SCENES if not (FOLDER / f"{name}.exr").exists()]
     for name in wanted:
         scene = mi.load_file(str(FOLDER / f"{name}.xml"))
-        runs = [np.array(mi.render(scene, spp=SPP, seed=seed + 1), dtype=np.float64)[..., :3] for seed in range(SEEDS)]
-        mean, variance = np.mean(runs, axis=0), np.var(runs, axis=0, ddof=1) / SEEDS
+        mean, variance = mean_and_variance(mi, scene, SPP, SEEDS)
         channels = ["R", "G", "B", "variance.R", "variance.G", "variance.B"]
         both = np.concatenate([mean, variance], axis=2).astype(np.float32)
         bitmap = mi.Bitmap(both, mi.Bitmap.PixelFormat.MultiChannel, channels)

@@ -21,15 +21,22 @@ pub struct BackendRow {
     pub name: &'static str,
     /// Its file in `shaders/trace/`.
     pub file: &'static str,
+    /// Whether its traversal can count what it tests, where `COUNT_TRAVERSAL` is defined.
+    pub counts: bool,
 }
 
 /// Every backend.
 pub const BACKENDS: &[BackendRow] = &[
-    BackendRow { backend: Backend::RayQuery, name: "ray-query", file: "ray_query.glsl" },
-    BackendRow { backend: Backend::Bvh, name: "bvh", file: "bvh.glsl" },
+    BackendRow { backend: Backend::RayQuery, name: "ray-query", file: "ray_query.glsl", counts: false },
+    BackendRow { backend: Backend::Bvh, name: "bvh", file: "bvh.glsl", counts: true },
 ];
 
 impl Backend {
+    /// Whether its traversal can count what it tests.
+    pub fn counts(self) -> bool {
+        BACKENDS.iter().any(|row| row.backend == self && row.counts)
+    }
+
     /// The backend's name on the command line.
     pub fn name(self) -> &'static str {
         BACKENDS.iter().find(|row| row.backend == self).map_or("", |row| row.name)

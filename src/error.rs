@@ -81,6 +81,15 @@ pub enum Error {
     #[error("{0}")]
     Regression(String),
 
+    /// Another renderer, in a bench, failed.
+    #[error("peer {name}: {message}")]
+    Peer {
+        /// Its name, or the command that started it.
+        name: String,
+        /// What is wrong.
+        message: String,
+    },
+
     /// A Vulkan validation message, where validation was asked for.
     #[error("Vulkan validation: {0}")]
     Validation(String),

@@ -1,27 +1,20 @@
 //! Raw ray throughput by kind of ray: `lumbre rays`.
 //!
-//! One set of rays is made for a scene and traced by every backend, from memory and with nothing else in the kernel.
+//! One set of rays is made for a scene and traced by every backend, from memory and with nothing else in the kernel: once in the
+//! order of the image, where neighbouring threads trace similar rays, and once shuffled, where they do not.
+
+mod sets;
 
 use serde::Serialize;
 
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{RAY_BOUNCES, RayRecord};
+use crate::layout::{RayRecord, TraversalCount};
 use crate::render::{Probe, Settings, Technique};
 use crate::scene::Scene;
 
-/// A kind of ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RayKind {
-    /// From the camera through neighbouring pixels: coherent.
-    Primary,
-    /// From where paths hit towards a light: any hit ends it.
-    Shadow,
-    /// From where paths hit, as a diffuse surface scatters: incoherent.
-    DiffuseBounce,
-}
+pub use sets::{RayKind, make, shuffle};
 
 /// What one backend did with one kind of ray.
 #[derive(Clone, Debug, Serialize)]
@@ -38,6 +31,30 @@ pub struct Throughput {
     pub runs: Vec<f64>,
     /// Their median.
     pub mrays_per_s: f64,
+    /// The same for the same rays in a random order.
+    pub shuffled_runs: Vec<f64>,
+    /// Their median.
+    pub shuffled_mrays_per_s: f64,
+    /// What traversal tests; nothing where the backend cannot count.
+    pub tested: Option<Tested>,
+}
+
+/// What traversal tests for one kind of ray.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Tested {
+    /// Nodes read, each with the boxes of its eight children.
+    pub nodes: PerRay,
+    /// Triangles and spheres.
+    pub primitives: PerRay,
+}
+
+/// A count per ray.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PerRay {
+    /// The mean over rays.
+    pub mean: f64,
+    /// The 99th percentile, by nearest rank.
+    pub p99: u32,
 }
 
 /// The acceleration structure of one backend.
@@ -45,16 +62,21 @@ pub struct Throughput {
 pub struct Structure {
     /// The backend.
     pub backend: &'static str,
-    /// Seconds to build and upload it, with the scene's arrays.
+    /// Seconds to build it and have it on the device, without the scene's other arrays.
     pub build_seconds: f64,
-    /// Its bytes on the device: nodes, or the driver's structure.
+    /// Its bytes on the device: nodes, or the driver's structure with its copy of the primitives, and instances. The array of
+    /// primitives is not in it, which shading reads with either backend.
     pub bytes: u64,
+    /// These bytes by the scene's primitives, each counted once however often it is placed.
+    pub bytes_per_primitive: f64,
+    /// Triangles that the kernel holds as constants, in which case it reads no structure.
+    pub compiled_in: usize,
 }
 
 /// All that was measured.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
-    /// `lumbre-rays-1`.
+    /// `lumbre-rays-2`.
     pub schema: &'static str,
     /// The device's name.
     pub device: String,
@@ -68,7 +90,49 @@ pub struct Measurement {
     pub throughput: Vec<Throughput>,
 }
 
-/// Traces each kind of ray `repeats` times on each backend, in turn, after one run that does not count.
+/// The kernels of one backend, and its settings.
+struct Contestant {
+    backend: Backend,
+    closest: Probe,
+    any: Probe,
+    count: Option<Probe>,
+}
+
+impl Contestant {
+    fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
+        let closest = Probe::new(gpu, scene, settings, "rays/closest")?;
+        let any = closest.sibling(scene, settings, "rays/any")?;
+        let counts = settings.backend.counts();
+        let count = counts.then(|| closest.sibling(scene, settings, "rays/count")).transpose()?;
+        Ok(Self { backend: settings.backend, closest, any, count })
+    }
+
+    fn structure(&self, scene: &Scene) -> Structure {
+        let uploaded = self.closest.scene();
+        let bytes = uploaded.structure_bytes();
+        Structure {
+            backend: self.backend.name(),
+            build_seconds: uploaded.structure_seconds(),
+            bytes,
+            bytes_per_primitive: bytes as f64 / scene.primitives.len().max(1) as f64,
+            compiled_in: uploaded.inline_count(),
+        }
+    }
+
+    fn tested(&self, kind: RayKind, rays: &[RayRecord]) -> Result<Option<Tested>> {
+        let Some(probe) = &self.count else { return Ok(None) };
+        let counts: Vec<TraversalCount> = probe.run(rays)?;
+        let per_ray = |closest: fn(&TraversalCount) -> u32, any: fn(&TraversalCount) -> u32| {
+            per_ray(counts.iter().map(if kind == RayKind::Shadow { any } else { closest }).collect())
+        };
+        Ok(Some(Tested {
+            nodes: per_ray(|count| count.closest_nodes, |count| count.any_nodes),
+            primitives: per_ray(|count| count.closest_primitives, |count| count.any_primitives),
+        }))
+    }
+}
+
+/// Traces each kind of ray `repeats` times on each backend, in order and shuffled, in turn, after one run that does not count.
 pub fn measure(
     gpu: &Gpu,
     scene: &Scene,
@@ -81,79 +145,81 @@ pub fn measure(
         (settings.width, settings.height) = size;
         Ok(settings)
     };
-    let sets = make_rays(gpu, scene, &settings(backends.first().copied().unwrap_or(Backend::Bvh))?)?;
-
-    let mut structures = Vec::new();
-    let mut probes = Vec::new();
+    let kinds = make(gpu, scene, &settings(backends.first().copied().unwrap_or(Backend::Bvh))?)?;
+    let mut contestants = Vec::new();
     for backend in backends {
-        let settings = settings(*backend)?;
-        let closest = Probe::new(gpu, scene, &settings, "rays/closest")?;
-        let any = Probe::new(gpu, scene, &settings, "rays/any")?;
-        let of_structure = |name: &&str| matches!(*name, "nodes" | "instances" | "acceleration structure");
-        let bytes = closest.bytes().iter().filter(|(name, _)| of_structure(name)).map(|(_, bytes)| bytes).sum();
-        structures.push(Structure { backend: backend.name(), build_seconds: closest.build_seconds(), bytes });
-        probes.push((*backend, closest, any));
+        contestants.push(Contestant::new(gpu, scene, &settings(*backend)?)?);
     }
-
     let mut throughput = Vec::new();
-    for (kind, rays) in sets {
-        let from = Buffer::with_data(gpu, "rays", &rays)?;
-        let to = Buffer::zeroed(gpu, "distances", 4 * rays.len() as u64)?;
-        let mut rows: Vec<Throughput> = Vec::new();
-        for (backend, ..) in &probes {
-            rows.push(Throughput {
-                backend: backend.name(),
-                kind,
-                rays: rays.len(),
-                hit: 0.0,
-                runs: Vec::new(),
-                mrays_per_s: 0.0,
-            });
-        }
-        for run in 0..=repeats {
-            for ((_, closest, any), row) in probes.iter().zip(&mut rows) {
-                let probe = if kind == RayKind::Shadow { any } else { closest };
-                let work = probe.run_on(&from, &to, rays.len() as u32)?;
-                if run > 0 {
-                    row.runs.push(rays.len() as f64 / work.device.as_secs_f64().max(1e-9) / 1e6);
-                } else {
-                    let distances: Vec<f32> = to.read(rays.len())?;
-                    row.hit =
-                        distances.iter().filter(|distance| **distance > 0.0).count() as f64 / rays.len().max(1) as f64;
-                }
-            }
-        }
-        for mut row in rows {
-            row.mrays_per_s = median(&row.runs);
-            throughput.push(row);
-        }
+    for (kind, rays) in kinds {
+        throughput.extend(trace(gpu, &contestants, kind, &rays, repeats)?);
     }
     Ok(Measurement {
-        schema: "lumbre-rays-1",
+        schema: "lumbre-rays-2",
         device: gpu.survey().name.clone(),
         driver: gpu.survey().driver.clone(),
         primitives: scene.primitives.len(),
-        structures,
+        structures: contestants.iter().map(|contestant| contestant.structure(scene)).collect(),
         throughput,
     })
 }
 
-/// The rays of each kind; those of paths that left the scene are taken out.
-fn make_rays(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Vec<(RayKind, Vec<RayRecord>)>> {
-    let slots = settings.width.div_ceil(8) * settings.height.div_ceil(8) * 64;
-    let sets = 1 + 2 * RAY_BOUNCES as usize;
-    let records = Buffer::zeroed(gpu, "rays", sets as u64 * u64::from(slots) * size_of::<RayRecord>() as u64)?;
-    let unused = Buffer::zeroed(gpu, "film", u64::from(settings.width) * u64::from(settings.height) * 48)?;
-    Probe::new(gpu, scene, settings, "rays/make")?.run_on(&records, &unused, slots)?;
-    let all: Vec<RayRecord> = records.read(sets * slots as usize)?;
-    let mut kinds =
-        vec![(RayKind::Primary, Vec::new()), (RayKind::Shadow, Vec::new()), (RayKind::DiffuseBounce, Vec::new())];
-    for (index, set) in all.chunks_exact(slots as usize).enumerate() {
-        let kind = if index == 0 { 0 } else { 1 + (index - 1) % 2 };
-        kinds[kind].1.extend(set.iter().filter(|ray| ray.t_max > 0.0));
+/// One row per contestant for one kind of ray.
+fn trace(
+    gpu: &Gpu,
+    contestants: &[Contestant],
+    kind: RayKind,
+    rays: &[RayRecord],
+    repeats: usize,
+) -> Result<Vec<Throughput>> {
+    let mixed: Vec<RayRecord> = shuffle(rays.len()).into_iter().map(|index| rays[index as usize]).collect();
+    let ordered = Buffer::with_data(gpu, "rays", rays)?;
+    let shuffled = Buffer::with_data(gpu, "shuffled rays", &mixed)?;
+    drop(mixed);
+    let to = Buffer::zeroed(gpu, "distances", 4 * rays.len() as u64)?;
+    let mut rows = Vec::new();
+    for contestant in contestants {
+        rows.push(Throughput {
+            backend: contestant.backend.name(),
+            kind,
+            rays: rays.len(),
+            hit: 0.0,
+            runs: Vec::new(),
+            mrays_per_s: 0.0,
+            shuffled_runs: Vec::new(),
+            shuffled_mrays_per_s: 0.0,
+            tested: contestant.tested(kind, rays)?,
+        });
     }
-    kinds.retain(|(_, rays)| !rays.is_empty());
-    Ok(kinds)
+    for run in 0..=repeats {
+        for (contestant, row) in contestants.iter().zip(&mut rows) {
+            let probe = if kind == RayKind::Shadow { &contestant.any } else { &contestant.closest };
+            for (from, runs) in [(&ordered, &mut row.runs), (&shuffled, &mut row.shuffled_runs)] {
+                let work = probe.run_on(from, &to, rays.len() as u32)?;
+                if run > 0 {
+                    runs.push(rays.len() as f64 / work.device.as_secs_f64().max(1e-9) / 1e6);
+                }
+            }
+            if run == 0 {
+                let distances: Vec<f32> = to.read(rays.len())?;
+                row.hit = distances.iter().filter(|distance| **distance > 0.0).count() as f64 / rays.len() as f64;
+            }
+        }
+    }
+    for row in &mut rows {
+        row.mrays_per_s = median(&row.runs);
+        row.shuffled_mrays_per_s = median(&row.shuffled_runs);
+    }
+    Ok(rows)
+}
+
+fn per_ray(mut counts: Vec<u32>) -> PerRay {
+    counts.sort_unstable();
+    let rank = (counts.len() * 99).div_ceil(100).max(1) - 1;
+    PerRay {
+        mean: counts.iter().map(|count| f64::from(*count)).sum::<f64>() / counts.len().max(1) as f64,
+        p99: counts.get(rank).copied().unwrap_or(0),
+    }
 }
 
 /// The median of some values.

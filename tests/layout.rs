@@ -8,8 +8,15 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 6] =
-    ["test/path.bvh", "test/path.ray-query", "test/trace.bvh", "test/bsdf.bvh", "test/light.bvh", "test/random.bvh"];
+const MODULES: [&str; 7] = [
+    "test/path.bvh",
+    "test/path.ray-query",
+    "test/trace.bvh",
+    "test/bsdf.bvh",
+    "test/light.bvh",
+    "test/random.bvh",
+    "rays/count.bvh",
+];
 
 fn load(name: &str) -> Module {
     let words: Vec<u32> = lumbre::gpu::module(name)
@@ -111,7 +118,7 @@ fn array_strides_are_the_sizes() {
             }
         }
     }
-    for name in ["Surface", "Material", "Light", "Instance", "FilmPixel", "RayRecord", "HitRecord"] {
+    for name in ["Surface", "Material", "Light", "Instance", "FilmPixel", "RayRecord", "HitRecord", "TraversalCount"] {
         assert!(checked.contains(name), "no array of {name} was found");
     }
 }

@@ -8,6 +8,14 @@
 // How far this backend's own intersection may be off for a triangle of this extent, beyond what triangle_margin says.
 float backend_margin(float extent) { return 0.0; }
 
+// What was tested so far, for the one kernel that counts (shaders/rays/count.glsl); the others are compiled without.
+#ifdef COUNT_TRAVERSAL
+uint tested_nodes, tested_primitives;
+#define COUNT(counter, count) counter += count
+#else
+#define COUNT(counter, count)
+#endif
+
 // One node, 80 bytes: the box's corner, its three exponents and the inner-node mask, the bases of children and
 // primitives, then eight bytes each of: meta data, lower and upper x, y and z of the children.
 struct Node {
@@ -119,6 +127,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
             nodes.y &= ~(1u << bit);
             if (nodes.y > 0x00ffffffu) push(stack, nodes);
             Node node = load_node(child);
+            COUNT(tested_nodes, 1u);
             uint hits = intersect_children(node, r, nearest.t);
             nodes = uvec2(node.child_base, (hits & 0xff000000u) | (node.exponents >> 24u));
             primitives = uvec2(node.primitive_base, hits & 0x00ffffffu);
@@ -139,6 +148,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
                 primitives = uvec2(0u);
             } else {
                 Primitive primitive = load_primitive(index);
+                COUNT(tested_primitives, 1u);
                 float t;
                 vec3 edges = vec3(0.0);
                 bool hit = is_sphere(primitive)
@@ -176,6 +186,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
 bool trace_closest(Ray ray, out Hit hit) {
     Nearest nearest = Nearest(ray.t_max, NONE, vec3(0.0));
     uint instance = 0u;
+    COUNT(tested_primitives, INLINE_COUNT);
     bool found = INLINE_COUNT > 0u ? inline_closest(ray, nearest) : traverse(ray, false, nearest, instance);
     hit = Hit(nearest.t, nearest.primitive, instance, barycentric(nearest.edges));
     return found;
@@ -185,5 +196,6 @@ bool trace_closest(Ray ray, out Hit hit) {
 bool trace_any(Ray ray) {
     Nearest nearest = Nearest(ray.t_max, NONE, vec3(0.0));
     uint instance;
+    COUNT(tested_primitives, INLINE_COUNT);
     return INLINE_COUNT > 0u ? inline_any(ray) : traverse(ray, true, nearest, instance);
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Error, Result};
 use lumbre::output::check_writable;
-use lumbre::rays::{Measurement, measure};
+use lumbre::rays::{Measurement, PerRay, measure};
 
 use super::render::{parse_size, write_json};
 use super::{DeviceArgs, SceneArgs, choose_backend, print, print_warnings};
@@ -64,33 +64,63 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
 
 fn print_table(found: &Measurement) {
     print(&format!("device     {} ({})", found.device, found.driver));
-    print(&format!("scene      {} primitives", found.primitives));
+    print(&format!(
+        "scene      {} primitives, {} B each beside the structures",
+        found.primitives,
+        size_of::<lumbre::layout::Primitive>()
+    ));
     for structure in &found.structures {
+        let compiled_in = match structure.compiled_in {
+            0 => String::new(),
+            count => format!(", not read: the kernel holds all {count} triangles"),
+        };
         print(&format!(
-            "{:<10} built and uploaded in {:.3} s, structure {}",
+            "{:<10} structure built in {:.3} s, {}, {:.1} B per primitive{compiled_in}",
             structure.backend,
             structure.build_seconds,
-            Bytes(structure.bytes)
+            Bytes(structure.bytes),
+            structure.bytes_per_primitive
         ));
     }
-    print("kind            backend       Mrays/s  (slowest to fastest)  against the first");
+    print("\nMrays/s, median (slowest to fastest), of rays in the order of the image and of the same rays shuffled");
+    print(
+        "kind            backend                          in order                          shuffled  against the first",
+    );
     for row in &found.throughput {
         let first = found
             .throughput
             .iter()
             .find(|other| other.kind == row.kind)
-            .map_or(row.mrays_per_s, |first| first.mrays_per_s);
-        let extreme = |pick: fn(f64, f64) -> f64| row.runs.iter().copied().reduce(pick).unwrap_or(0.0);
+            .map_or((row.mrays_per_s, row.shuffled_mrays_per_s), |first| {
+                (first.mrays_per_s, first.shuffled_mrays_per_s)
+            });
         print(&format!(
-            "{:<15} {:<10} {:>10.3}  ({:.3} to {:.3})  x {:.2}   {} rays, {:.1} % hit",
+            "{:<15} {:<10} {:>32}  {:>32}  x {:.2} and {:.2}   {} rays, {:.1} % hit",
             format!("{:?}", row.kind),
             row.backend,
-            row.mrays_per_s,
-            extreme(f64::min),
-            extreme(f64::max),
-            row.mrays_per_s / first,
+            rate(row.mrays_per_s, &row.runs),
+            rate(row.shuffled_mrays_per_s, &row.shuffled_runs),
+            row.mrays_per_s / first.0,
+            row.shuffled_mrays_per_s / first.1,
             row.rays,
             100.0 * row.hit
         ));
     }
+    print("\ntested per ray, mean (99th percentile)");
+    print("kind            backend                nodes          primitives");
+    for row in &found.throughput {
+        let tested = row.tested.map_or(String::from("the driver's traversal cannot be counted"), |tested| {
+            format!("{:>17}  {:>18}", count(tested.nodes), count(tested.primitives))
+        });
+        print(&format!("{:<15} {:<10} {tested}", format!("{:?}", row.kind), row.backend));
+    }
+}
+
+fn rate(median: f64, runs: &[f64]) -> String {
+    let extreme = |pick: fn(f64, f64) -> f64| runs.iter().copied().reduce(pick).unwrap_or(0.0);
+    format!("{median:.3} ({:.3} to {:.3})", extreme(f64::min), extreme(f64::max))
+}
+
+fn count(per_ray: PerRay) -> String {
+    format!("{:.2} ({})", per_ray.mean, per_ray.p99)
 }

@@ -81,6 +81,18 @@ shared_structs! {
         blocked: uint,
     }
 
+    /// What traversal tested for a [`RayRecord`]: see `shaders/rays/count.glsl`.
+    pub struct TraversalCount {
+        /// Nodes that were read until the nearest hit was known.
+        closest_nodes: uint,
+        /// Triangles and spheres that were tested for it.
+        closest_primitives: uint,
+        /// Nodes that were read until any hit was known.
+        any_nodes: uint,
+        /// Triangles and spheres that were tested for that.
+        any_primitives: uint,
+    }
+
     /// Directions and uniform numbers to ask a BSDF about.
     pub struct BsdfQuery {
         /// Index of the material.

@@ -1,5 +1,6 @@
 //! A compiled kernel with the scene that it runs on.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::settings::Settings;
@@ -15,7 +16,7 @@ use crate::scene::Scene;
 pub(super) struct Kernel {
     pub pipeline: Pipeline,
     pub bindings: Bindings,
-    pub scene: Uploaded,
+    pub scene: Arc<Uploaded>,
     /// Seconds that building and uploading the scene took.
     pub build_seconds: f64,
     /// Seconds that making the pipeline took.
@@ -27,9 +28,23 @@ impl Kernel {
     /// device has room.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, watch: Watch) -> Result<Self> {
         let started = Instant::now();
-        let uploaded = Uploaded::new(gpu, scene, settings, watch)?;
-        let build_seconds = started.elapsed().as_secs_f64();
+        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
+        Self::on(gpu, scene, settings, name, uploaded, started.elapsed().as_secs_f64())
+    }
 
+    /// A pipeline of another module for the same scene and settings, which is not uploaded again.
+    pub fn sibling(&self, gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
+        Self::on(gpu, scene, settings, name, self.scene.clone(), self.build_seconds)
+    }
+
+    fn on(
+        gpu: &Gpu,
+        scene: &Scene,
+        settings: &Settings,
+        name: &str,
+        uploaded: Arc<Uploaded>,
+        build_seconds: f64,
+    ) -> Result<Self> {
         let started = Instant::now();
         let [param0, param1, param2, param3] = settings.technique.words();
         let mut special = Specialisation {

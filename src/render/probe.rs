@@ -4,6 +4,7 @@
 use bytemuck::Pod;
 
 use super::kernel::Kernel;
+use super::upload::Uploaded;
 use super::{Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
@@ -26,13 +27,24 @@ impl Probe {
         settings.check(gpu)?;
         memory::check_scene(gpu, scene, settings)?;
         let kernel = Kernel::new(gpu, scene, settings, &module, &|_| {})?;
-        Ok(Self {
+        Ok(Self::of(gpu, settings, name, kernel))
+    }
+
+    /// Another kernel for the same scene and settings, which are not uploaded again.
+    pub fn sibling(&self, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
+        let module = format!("{name}.{}", settings.backend.name());
+        let kernel = self.kernel.sibling(&self.gpu, scene, settings, &module)?;
+        Ok(Self::of(&self.gpu, settings, name, kernel))
+    }
+
+    fn of(gpu: &Gpu, settings: &Settings, name: &str, kernel: Kernel) -> Self {
+        Self {
             gpu: gpu.clone(),
             kernel,
             name: name.to_owned(),
             size: (settings.width, settings.height),
             seed: settings.seed,
-        })
+        }
     }
 
     /// Runs one thread per element of `input`, each of which writes one element of the result.
@@ -68,9 +80,9 @@ impl Probe {
         })
     }
 
-    /// Seconds that building and uploading the scene took.
-    pub fn build_seconds(&self) -> f64 {
-        self.kernel.build_seconds
+    /// What was uploaded.
+    pub fn scene(&self) -> &Uploaded {
+        &self.kernel.scene
     }
 
     /// Bytes on the device by what they hold.

@@ -1,5 +1,7 @@
 //! A scene on the device: its arrays, its acceleration structure, its uniforms.
 
+use std::time::Instant;
+
 use glam::{DAffine3, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
@@ -32,6 +34,7 @@ pub struct Uploaded {
     buffers: Vec<(&'static str, Buffer)>,
     order: Vec<u32>,
     instance_order: Vec<u32>,
+    structure_seconds: f64,
 }
 
 /// What a backend's acceleration structure asks of the arrays.
@@ -56,10 +59,12 @@ impl Uploaded {
             && !needs.spheres
             && scene.primitives.len() <= INLINE_MAX as usize
             && settings.expected_samples >= INLINE_WORTHWHILE;
+        let started = Instant::now();
         let mut built = match settings.backend {
             Backend::Bvh => build_bvh(scene, &needs, settings.chunk, watch),
             Backend::RayQuery => build_ray_query(gpu, scene, watch)?,
         };
+        let mut structure_seconds = started.elapsed().as_secs_f64();
         watch(Building { doing: "uploading the scene", share: 0.0 });
         let mut buffers = Vec::new();
         // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
@@ -69,8 +74,10 @@ impl Uploaded {
         } else {
             Some(Buffer::gathered(gpu, "corners", &scene.corners, &built.order)?)
         };
+        let started = Instant::now();
         let nodes = if built.nodes.is_empty() { None } else { Some(Buffer::concatenated(gpu, "nodes", &built.nodes)?) };
         drop(std::mem::take(&mut built.nodes));
+        structure_seconds += started.elapsed().as_secs_f64();
         let places = [Some(&primitives), corners.as_ref(), nodes.as_ref()]
             .map(|buffer| buffer.map_or([0; 2], |buffer| address(buffer.address())));
         buffers.push(("primitives", primitives));
@@ -166,6 +173,7 @@ impl Uploaded {
             buffers,
             order: built.order,
             instance_order: built.instance_order,
+            structure_seconds,
         })
     }
 
@@ -175,6 +183,23 @@ impl Uploaded {
         all.push(("uniforms", self.uniforms.size()));
         all.extend(self.tlas.iter().map(|tlas| ("acceleration structure", tlas.size())));
         all
+    }
+
+    /// Bytes of what traversal has besides the primitives, which shading reads as well: nodes or the driver's structure, which
+    /// keeps a copy of the primitives, and the instances.
+    pub fn structure_bytes(&self) -> u64 {
+        let of_structure = |name: &str| matches!(name, "nodes" | "instances" | "acceleration structure");
+        self.bytes().iter().filter(|(name, _)| of_structure(name)).map(|(_, bytes)| bytes).sum()
+    }
+
+    /// Triangles that the kernel holds as constants instead: traversal then reads no structure.
+    pub fn inline_count(&self) -> usize {
+        self.inline.len()
+    }
+
+    /// Seconds that building that structure took, its own upload included.
+    pub fn structure_seconds(&self) -> f64 {
+        self.structure_seconds
     }
 
     /// For each uploaded primitive, its index in the scene: hits are reported in this order.
