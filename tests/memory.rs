@@ -15,7 +15,7 @@ use glam::{DAffine3, DVec3};
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
 use lumbre::render::{Building, Prediction, Probe, Renderer, Settings};
-use lumbre::scene::{Mesh, Scene, SceneBuilder};
+use lumbre::scene::{LoadOptions, Mesh, Scene, SceneBuilder};
 
 /// Every scene of the canon.
 fn scenes() -> Vec<(String, Scene)> {
@@ -103,6 +103,31 @@ fn rendering_takes_what_is_predicted() {
                 assert!(predicted.parts.iter().any(|part| part.name == "film" && part.bytes == film));
                 compare_peak(&predicted, taken, name);
             }
+        }
+    });
+}
+
+/// Smaller levels of images count: a third of those that materials show in colour, and nothing of the others.
+#[test]
+fn mip_maps_take_what_is_predicted() {
+    let load = |mip_maps| {
+        let options = LoadOptions { mip_maps, ..LoadOptions::default() };
+        lumbre::scene::load(&common::scene_path("gltf_room/room.gltf"), &options).unwrap()
+    };
+    let images = |scene: &Scene| -> Vec<usize> { scene.images.iter().map(|image| image.bytes().len()).collect() };
+    let scene = load(true);
+    let grown: Vec<f64> =
+        images(&load(false)).into_iter().zip(images(&scene)).map(|(plain, full)| full as f64 / plain as f64).collect();
+    println!("images grow by {grown:?}");
+    let filtered = |growth: &f64| (growth - 4.0 / 3.0).abs() < 0.01;
+    assert!(grown.iter().all(|growth| *growth == 1.0 || filtered(growth)), "{grown:?}");
+    assert!(grown.iter().any(filtered) && grown.contains(&1.0), "{grown:?}");
+    with_gpu(|gpu| {
+        for backend in backends(gpu) {
+            let settings = with_layers(&scene, backend);
+            let predicted = Prediction::of(&scene, &settings, Some(gpu)).unwrap();
+            let probe = Probe::new(gpu, &scene, &settings, "test/trace").unwrap();
+            compare_parts(&predicted, probe.bytes(), "room with mip maps");
         }
     });
 }

@@ -31,6 +31,7 @@ bool path_extend(inout Path path, inout Estimate e) {
     }
     Vertex v = vertex_at(path.ray, hit);
     path_absorb(path, v);
+    path_measure(path, v);
     vec3 emission = vertex_emission(v, path.ray);
     if (emission != vec3(0.0))
         contribute(e, path.depth + 1u, path.throughput * emission * by_bsdf(path, emission_weight(path, hit, v)));

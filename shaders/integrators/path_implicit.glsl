@@ -20,6 +20,7 @@ bool path_extend(inout Path path, inout Estimate e) {
     }
     Vertex v = vertex_at(path.ray, hit);
     path_absorb(path, v);
+    path_measure(path, v);
 
     // 1. Emission that the path has run into.
     vec3 emission = vertex_emission(v, path.ray);

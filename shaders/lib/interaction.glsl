@@ -9,6 +9,7 @@ struct Interaction {
     vec3 shading_normal; // unit; equals the geometric one where the mesh has no vertex normals
     uint surface;
     vec2 uv;             // texture coordinates
+    float uv_area;       // area in them per area of the surface, only for mip maps
     vec3 dp_du;          // change of the position per unit of them; zero where it is undetermined
     vec3 dp_dv;
     vec4 tangent;        // of normal maps: direction and sign of the bitangent; zero where it follows dp_du
@@ -24,6 +25,7 @@ void sphere_uv(Primitive p, vec3 outward, inout Interaction at) {
     local *= p.v1.y < 0.0 ? -1.0 : 1.0;
     float phi = atan(local.y, local.x);
     at.uv = vec2(phi * (0.5 * INV_PI) + (phi < 0.0 ? 1.0 : 0.0), acos(clamp(local.z, -1.0, 1.0)) * INV_PI);
+    if (HAS_MIP_MAPS) at.uv_area = 0.5 * INV_PI * INV_PI / (p.v1.x * p.v1.x * max(1e-3, length(local.xy)));
     if (HAS_TANGENTS) {
         float sine = sqrt(max(1e-12, local.x * local.x + local.y * local.y));
         vec3 du = 2.0 * PI * vec3(-local.y, local.x, 0.0);
@@ -51,6 +53,10 @@ void triangle_attributes(Primitive p, Hit hit, inout Interaction at) {
     if (has_colours && corners.i0 != NONE) {
         Vectors4 colours = Vectors4(scene.colours);
         at.colour = b.x * colours.at[corners.i0] + b.y * colours.at[corners.i1] + b.z * colours.at[corners.i2];
+    }
+    if (HAS_MIP_MAPS) {
+        vec2 d1 = uv1 - uv0, d2 = uv2 - uv0;
+        at.uv_area = abs(d1.x * d2.y - d1.y * d2.x) / length(triangle_normal(p.v0, p.v1, p.v2));
     }
     if (HAS_TANGENTS) {
         vec2 d1 = uv1 - uv0, d2 = uv2 - uv0;
@@ -82,6 +88,7 @@ Interaction interaction_at(Ray ray, Hit hit) {
     Interaction at;
     at.surface = primitive.surface & SURFACE_MASK;
     at.uv = vec2(0.0);
+    at.uv_area = 0.0;
     at.dp_du = vec3(0.0);
     at.dp_dv = vec3(0.0);
     at.tangent = vec4(0.0);
@@ -130,7 +137,9 @@ Interaction interaction_at(Ray ray, Hit hit) {
         vec3 there = abs_world_point(instance, abs(p));
         vec3 back = abs_world_vector(instance, abs_object_point(instance, abs(at.position)));
         at.margin = largest(abs_world_vector(instance, vec3(at.margin))) + gamma(4.0) * (largest(there) + largest(back));
-        at.normal = normalize(world_normal(instance, at.normal));
+        vec3 normal = world_normal(instance, at.normal);
+        if (HAS_MIP_MAPS) at.uv_area /= abs(dot(instance.world0.xyz, cross(instance.world1.xyz, instance.world2.xyz))) * length(normal);
+        at.normal = normalize(normal);
         at.shading_normal = normalize(world_normal(instance, at.shading_normal));
         if (HAS_TANGENTS) {
             at.dp_du = world_vector(instance, at.dp_du);

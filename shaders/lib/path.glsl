@@ -2,6 +2,7 @@
 #include "lib/film.glsl"
 #include "lib/interaction.glsl"
 #include "lib/visibility.glsl"
+#include "lib/cone.glsl"
 #include "materials/bsdf.glsl"
 #include "lights/light.glsl"
 
@@ -16,6 +17,7 @@ struct Path {
     bool delta;      // that vertex chose it by a delta lobe, or is the camera: no other technique can
     uint depth;      // vertices so far that scattered: the next hit ends a path of depth + 1 segments
     float eta;       // product of index ratios crossed, for Russian roulette
+    Cone cone;       // how wide the path is, for mip maps
 };
 
 Path path_begin(inout Pixel pixel, inout Estimate e) {
@@ -28,6 +30,8 @@ Path path_begin(inout Pixel pixel, inout Estimate e) {
     path.delta = true;
     path.depth = 0u;
     path.eta = 1.0;
+    path.cone = Cone(0.0, 0.0);
+    if (HAS_MIP_MAPS) path.cone = camera_cone(path.ray.direction);
     return path;
 }
 
@@ -44,6 +48,7 @@ struct Vertex {
     uint material;     // NONE reflects nothing
     bool front;        // the path came to the front of the surface, by the shading normal
     bool mapped;       // a normal or bump map tilts the frame off the shading normal
+    float side;        // of what the path sees there, in texture coordinates; 0 is a point
 };
 
 Vertex vertex_at(Ray ray, Hit hit) {
@@ -56,6 +61,7 @@ Vertex vertex_at(Ray ray, Hit hit) {
     v.material = v.front || !HAS_BACK_MATERIALS ? v.surface.front : v.surface.back;
     v.turned = 1.0;
     v.mapped = false;
+    v.side = 0.0;
     if (!HAS_BACK_MATERIALS && !v.front || v.wo.z == 0.0) v.material = NONE;
     return v;
 }
@@ -64,7 +70,7 @@ Vertex vertex_at(Ray ray, Hit hit) {
 
 // The vertex's material; turns the frame round where the path came to the back of something that reflects only.
 Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
-    Bsdf b = bsdf_at(v.material, v.at.uv, v.at.colour, random);
+    Bsdf b = bsdf_at(v.material, v.at.uv, v.side, v.at.colour, random);
     if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
         v.frame = shading_frame(v.at, b.m, v.mapped);
         v.wo = to_local(v.frame, -ray.direction);
@@ -131,8 +137,18 @@ void path_absorb(inout Path path, Vertex v) {
     if (HAS_ABSORPTION) path.throughput *= exp(-path.absorption * distance(path.from.position, v.at.position));
 }
 
+// Measures what the path sees of the vertex's textures. On a surface that it grazes that is an ellipse: its short axis counts,
+// since the samples of a pixel are spread along the long one anyway, and nothing is blurred that they tell apart.
+void path_measure(Path path, inout Vertex v) {
+    if (HAS_MIP_MAPS) v.side = cone_width(path.cone, distance(path.from.position, v.at.position)) * sqrt(v.at.uv_area);
+}
+
 // Goes on in the direction that the BSDF chose.
 void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
+    if (HAS_MIP_MAPS) {
+        path.cone.width = cone_width(path.cone, distance(path.from.position, v.at.position));
+        if (!s.delta) path.cone = scattered_cone(path.cone.width, path.cone.spread, s.pdf_w);
+    }
     path.throughput *= s.weight;
     path.pdf_w = s.pdf_w;
     path.delta = s.delta;

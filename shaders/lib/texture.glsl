@@ -40,6 +40,11 @@ Footprint texture_footprint(Texture t, vec2 position) {
     return Footprint(load_texel(t, i), load_texel(t, i + ivec2(1, 0)), load_texel(t, i + ivec2(0, 1)), load_texel(t, i + 1), p - corner);
 }
 
+vec4 bilinear_value(Texture t, vec2 position) {
+    Footprint f = texture_footprint(t, position);
+    return mix(mix(f.t00, f.t10, f.f.x), mix(f.t01, f.t11, f.f.x), f.f.y);
+}
+
 vec4 texture_value(Texture t, vec2 uv) {
     vec2 position = texture_position(t, uv);
     if (t.kind == TEXTURE_CHECKERBOARD) {
@@ -50,8 +55,7 @@ vec4 texture_value(Texture t, vec2 uv) {
     if ((t.sampling & FILTER_NEAREST_BIT) != 0u) {
         value = load_texel(t, ivec2(floor(position * vec2(t.width, t.height))));
     } else {
-        Footprint f = texture_footprint(t, position);
-        value = mix(mix(f.t00, f.t10, f.f.x), mix(f.t01, f.t11, f.f.x), f.f.y);
+        value = bilinear_value(t, position);
     }
     return value * t.scale + t.offset;
 }
@@ -66,10 +70,46 @@ float texture_channel(Texture t, vec4 value) {
 // Four values, or one, at texture coordinates of the surface; what is not textured is 1.
 vec4 texture_at(uint index, vec2 uv) { return index == NONE ? vec4(1.0) : texture_value(load_texture(index), uv); }
 
+// A level of detail as a texture of its own.
+Texture texture_level(Texture t, uint level) {
+    uint first = 0u;
+    for (uint i = 0u; i < level; i++) {
+        first += t.width * t.height;
+        t.width = max(t.width / 2u, 1u);
+        t.height = max(t.height / 2u, 1u);
+    }
+    t.texels = unpack32(pack64(t.texels) + uint64_t(first) * (t.format == TEXELS_FLOAT ? 16u : 4u));
+    return t;
+}
+
+// The mean over about a square of this side in the surface's texture coordinates, from the levels whose texels are next larger
+// and next smaller than it; 0 is the point itself.
+vec4 texture_mean(Texture t, vec2 uv, float side) {
+    if (t.levels < 2u || side == 0.0) return texture_value(t, uv);
+    float texels = side * sqrt(abs(t.row_u.x * t.row_v.y - t.row_u.y * t.row_v.x) * float(t.width) * float(t.height));
+    float level = clamp(log2(texels), 0.0, float(t.levels - 1u));
+    vec2 position = texture_position(t, uv);
+    uint finer = uint(level);
+    vec4 value = bilinear_value(texture_level(t, finer), position);
+    if (level > float(finer)) value = mix(value, bilinear_value(texture_level(t, finer + 1u), position), level - float(finer));
+    return value * t.scale + t.offset;
+}
+
+vec4 texture_at(uint index, vec2 uv, float side) {
+    if (!HAS_MIP_MAPS || index == NONE) return texture_at(index, uv);
+    return texture_mean(load_texture(index), uv, side);
+}
+
 float texture_scalar(uint index, vec2 uv) {
     if (index == NONE) return 1.0;
     Texture t = load_texture(index);
     return texture_channel(t, texture_value(t, uv));
+}
+
+float texture_scalar(uint index, vec2 uv, float side) {
+    if (!HAS_MIP_MAPS || index == NONE) return texture_scalar(index, uv);
+    Texture t = load_texture(index);
+    return texture_channel(t, texture_mean(t, uv, side));
 }
 
 // Change of a scalar texture per unit of the surface's texture coordinates; that of bilinear interpolation, which is

@@ -38,9 +38,9 @@ struct Bsdf {
 
 bool is_kind(Bsdf b, bool present, uint kind) { return present && b.m.kind == kind; }
 
-// The material at texture coordinates. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
+// The material at texture coordinates, where a path is `side` wide in them. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
 // mean, and no lobe of either needs to know the other.
-Bsdf bsdf_at(uint material, vec2 uv, vec4 colour, inout Sampler random) {
+Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler random) {
     Bsdf b;
     b.m = load_material(material);
     if (HAS_BLENDS) {
@@ -60,9 +60,9 @@ Bsdf bsdf_at(uint material, vec2 uv, vec4 colour, inout Sampler random) {
     if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
 
     MaterialTextures t = TextureSets(scene.material_textures).at[b.m.textures];
-    b.m.reflectance *= texture_at(t.reflectance, uv).rgb;
+    b.m.reflectance *= texture_at(t.reflectance, uv, side).rgb;
     if (t.transmittance != NONE) {
-        vec3 tint = texture_at(t.transmittance, uv).rgb;
+        vec3 tint = texture_at(t.transmittance, uv, side).rgb;
         b.m.transmittance *= tint;
         if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) b.plastic.specular *= tint;
     }
@@ -72,15 +72,15 @@ Bsdf bsdf_at(uint material, vec2 uv, vec4 colour, inout Sampler random) {
         b.m.alpha_u = max(b.m.alpha_u * factor, perceptual ? 0.0 : 1e-4);
         b.m.alpha_v = max(b.m.alpha_v * factor, perceptual ? 0.0 : 1e-4);
     }
-    if (HAS_PRINCIPLED && t.metallic != NONE) b.principled.metallic *= texture_scalar(t.metallic, uv);
+    if (HAS_PRINCIPLED && t.metallic != NONE) b.principled.metallic *= texture_scalar(t.metallic, uv, side);
     if (HAS_LAYERED && b.m.kind == MATERIAL_LAYERED) {
-        b.layered.metallic *= texture_scalar(t.metallic, uv);
-        b.layered.specular *= texture_scalar(b.layered.specular_texture, uv);
-        b.layered.specular_colour *= texture_at(b.layered.specular_colour_texture, uv).rgb;
-        b.layered.transmission *= texture_scalar(b.layered.transmission_texture, uv);
-        b.layered.clearcoat *= texture_scalar(b.layered.clearcoat_texture, uv);
+        b.layered.metallic *= texture_scalar(t.metallic, uv, side);
+        b.layered.specular *= texture_scalar(b.layered.specular_texture, uv, side);
+        b.layered.specular_colour *= texture_at(b.layered.specular_colour_texture, uv, side).rgb;
+        b.layered.transmission *= texture_scalar(b.layered.transmission_texture, uv, side);
+        b.layered.clearcoat *= texture_scalar(b.layered.clearcoat_texture, uv, side);
         b.layered.clearcoat_roughness *= texture_scalar(b.layered.clearcoat_roughness_texture, uv);
-        b.layered.sheen_colour *= texture_at(b.layered.sheen_colour_texture, uv).rgb;
+        b.layered.sheen_colour *= texture_at(b.layered.sheen_colour_texture, uv, side).rgb;
         b.layered.sheen_roughness *= texture_scalar(b.layered.sheen_roughness_texture, uv);
     }
     return b;

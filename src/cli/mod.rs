@@ -74,6 +74,10 @@ struct SceneArgs {
     /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does not
     #[arg(long)]
     energy_compensation: bool,
+
+    /// Filter the images of materials over what a path sees of them: less noise, and a blur; Mitsuba looks up points
+    #[arg(long)]
+    mip_maps: bool,
 }
 
 impl DeviceArgs {
@@ -100,6 +104,7 @@ impl SceneArgs {
             defines: self.defines.clone(),
             lights: self.lights,
             energy_compensation: self.energy_compensation,
+            mip_maps: self.mip_maps,
         }
     }
 

@@ -209,6 +209,9 @@ shared_structs! {
         width: uint,
         /// Texels down.
         height: uint,
+        /// Levels of detail that follow each other from `texels` on, each half as wide and high as the one before, but at least
+        /// one texel; 1 where there is only the image itself.
+        levels: uint,
         /// One of the `WRAP_*` constants for each direction, 8 bits each; then [`FILTER_NEAREST_BIT`].
         sampling: uint,
         /// Channel of a scalar: 0 to 3, or 4 for luminance.

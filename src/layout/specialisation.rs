@@ -150,6 +150,8 @@ specialisation! {
     60 large_lights HAS_LARGE_LIGHTS: bool;
     /// Lights are selected from a tree.
     61 light_tree HAS_LIGHT_TREE: bool;
+    /// Some image has smaller levels of detail, which materials are filtered with.
+    62 mip_maps HAS_MIP_MAPS: bool;
     /// Some rough metal or rough glass gets back what it loses to multiple scattering.
     70 energy_compensation HAS_ENERGY_COMPENSATION: bool;
     /// First parameter of the technique.
@@ -182,5 +184,6 @@ pub const RARE: &[&str] = &[
     "HAS_ABSORPTION",
     "HAS_COLOURS",
     "HAS_LIGHT_TREE",
+    "HAS_MIP_MAPS",
     "HAS_ENERGY_COMPENSATION",
 ];

@@ -14,7 +14,7 @@ use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
 use super::texture::{Pattern, Texels, TextureDescription, TextureImage, srgb_table};
-use super::{Environment, FilmSettings, Filter, Instance, LightTree, Scene, TechniqueRequest, environment};
+use super::{Environment, FilmSettings, Filter, Instance, LightTree, Scene, TechniqueRequest, environment, mip_maps};
 use crate::bvh::Bounds;
 use crate::error::{Error, Result, plain};
 use crate::layout::{
@@ -69,6 +69,8 @@ pub struct SceneBuilder {
     pub environment: Option<(u32, DMat3)>,
     /// How its lights are selected.
     pub light_selection: LightSelection,
+    /// Give images of materials smaller levels of detail.
+    pub mip_maps: bool,
     /// What the user should know.
     pub warnings: Vec<String>,
     images: Vec<TextureImage>,
@@ -101,6 +103,7 @@ impl SceneBuilder {
             background: None,
             environment: None,
             light_selection: LightSelection::default(),
+            mip_maps: false,
             warnings: Vec::new(),
             images: Vec::new(),
             textures: Vec::new(),
@@ -376,6 +379,10 @@ impl SceneBuilder {
         for camera in &mut self.cameras {
             camera.to_world.translation -= origin;
         }
+        let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images)).collect();
+        if self.mip_maps {
+            mip_maps::add(&mut self.images, &mut textures, &filed.textures, &filed.layereds);
+        }
         Ok(Scene {
             source: self.source,
             cameras: self.cameras,
@@ -395,7 +402,7 @@ impl SceneBuilder {
             principleds: filed.principleds,
             layereds: filed.layereds,
             compensations: filed.compensations,
-            textures: self.textures.iter().map(|texture| texture.entry(&self.images)).collect(),
+            textures,
             images: self.images,
             tables,
             lights: table.lights,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{LightSelection, Scene, SceneBuilder, gltf, mitsuba, obj, ply};
+use super::{LightSelection, Needs, Scene, SceneBuilder, gltf, mitsuba, obj, ply};
 use crate::error::{Error, Result};
 
 /// How a scene is to be read.
@@ -15,6 +15,8 @@ pub struct LoadOptions {
     /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does
     /// not.
     pub energy_compensation: bool,
+    /// Filter the images of materials over what a path sees of them, with less noise and a blur; Mitsuba looks up points.
+    pub mip_maps: bool,
 }
 
 /// Reads a scene; the extension says which format it is in.
@@ -50,9 +52,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         }
     };
     builder.light_selection = options.lights;
+    builder.mip_maps = options.mip_maps;
     let mut scene = builder.finish()?;
     if options.energy_compensation && scene.compensations.is_empty() {
         scene.warnings.push(String::from("it has no rough metal or rough glass: energy compensation changes nothing"));
+    }
+    if options.mip_maps && !Needs::of(&scene).mip_maps {
+        scene.warnings.push(String::from("no image colours a material: mip maps change nothing"));
     }
     Ok(scene)
 }

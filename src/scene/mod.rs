@@ -22,6 +22,7 @@ pub mod material;
 mod mesh;
 mod metals;
 pub mod microfacets;
+pub mod mip_maps;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;

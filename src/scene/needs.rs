@@ -61,6 +61,8 @@ pub struct Needs {
     pub materials: [bool; MATERIAL_KINDS as usize],
     /// Textures of materials.
     pub material_textures: bool,
+    /// Images with smaller levels of detail.
+    pub mip_maps: bool,
     /// Beckmann's microfacets.
     pub beckmann: bool,
     /// Light that is absorbed inside of materials.
@@ -139,6 +141,7 @@ impl Needs {
             masks,
             materials,
             material_textures: textured,
+            mip_maps: scene.textures.iter().any(|texture| texture.levels > 1),
             beckmann: flags & MICROFACET_BECKMANN != 0,
             absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
             energy_compensation: flags & MATERIAL_IS_COMPENSATED != 0,
@@ -155,8 +158,8 @@ impl Needs {
         }
     }
 
-    /// Everything that there is, whatever the scene uses: what specialisation is measured against. How lights are sampled is
-    /// a choice for the scene rather than a need, and stays.
+    /// Everything that there is, whatever the scene uses: what specialisation is measured against. How lights are sampled
+    /// and textures filtered are choices for the scene rather than needs, and stay.
     pub fn everything(scene: &Scene) -> Self {
         Self {
             instances: true,
@@ -169,6 +172,7 @@ impl Needs {
             masks: true,
             materials: [true; MATERIAL_KINDS as usize],
             material_textures: true,
+            mip_maps: Self::of(scene).mip_maps,
             beckmann: true,
             absorption: true,
             energy_compensation: true,
@@ -209,6 +213,7 @@ impl Needs {
         special.layered = material(MATERIAL_LAYERED);
         special.blends = material(MATERIAL_BLEND);
         special.material_textures = self.material_textures;
+        special.mip_maps = self.mip_maps;
         special.beckmann = self.beckmann;
         special.absorption = self.absorption;
         special.energy_compensation = self.energy_compensation;
@@ -241,6 +246,7 @@ impl Needs {
             (self.back_materials, "two-sided surfaces"),
             (self.masks, "masks"),
             (self.material_textures, "textured materials"),
+            (self.mip_maps, "mip maps"),
             (self.beckmann, "Beckmann microfacets"),
             (self.absorption, "absorption"),
             (self.energy_compensation, "energy compensation"),

@@ -28,7 +28,7 @@ pub struct TextureImage {
     pub width: u32,
     /// Texels down.
     pub height: u32,
-    /// Its texels.
+    /// Its texels; behind them those of its smaller levels, where it was given any.
     pub texels: Texels,
 }
 
@@ -64,7 +64,7 @@ impl TextureImage {
         }
     }
 
-    /// Mean of all texels as linear values.
+    /// Mean of all its texels as linear values.
     pub fn mean(&self) -> [f64; 4] {
         let mut sum = [0.0f64; 4];
         for y in 0..self.height {
@@ -159,6 +159,7 @@ impl TextureDescription {
                 texels: [index as u32, 0],
                 width: images[index].width,
                 height: images[index].height,
+                levels: 1,
                 scale: self.scale,
                 offset: self.offset,
                 ..common
@@ -169,6 +170,7 @@ impl TextureDescription {
                 offset: [p, q, s, 1.0],
                 width: 1,
                 height: 1,
+                levels: 1,
                 ..common
             },
         }

@@ -30,6 +30,7 @@ pub(super) struct Report {
     rr_depth: u32,
     filter: String,
     energy_compensation: bool,
+    mip_maps: bool,
     rays: u64,
     seconds: Seconds,
     mrays_per_s: f64,
@@ -72,6 +73,7 @@ impl Report {
             rr_depth: settings.rr_depth,
             filter: format!("{:?}", settings.filter),
             energy_compensation: Needs::of(scene).energy_compensation,
+            mip_maps: Needs::of(scene).mip_maps,
             rays: renderer.rays(),
             seconds: Seconds {
                 load,
