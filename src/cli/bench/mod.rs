@@ -11,6 +11,7 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 
+use lumbre::bench::peer::{Peer, SceneRequest};
 use lumbre::bench::reference::{self, Recipe};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
 use lumbre::bench::stats::CONFIDENCE;
@@ -42,6 +43,10 @@ pub(super) struct BenchArgs {
     /// Ablations, separated by commas: each technique and backend once more with it. no-specialise, lights=power, lights=tree
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     ablate: Vec<String>,
+
+    /// Another renderer as a further variant, NAME=COMMAND; may repeat. benches/peers/mitsuba.py is one; Mitsuba scenes only
+    #[arg(long, value_name = "NAME=COMMAND")]
+    peer: Vec<String>,
 
     /// Seconds of rendering per run
     #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
@@ -236,7 +241,7 @@ fn prepare_folder(args: &BenchArgs, entries: &[Entry], columns: &[Column], gpu: 
     let mut hasher = DefaultHasher::new();
     for entry in entries {
         fingerprint(entry, columns, gpu, limits).hash(&mut hasher);
-        (&entry.name, entry.given.is_some(), args.reference_spp).hash(&mut hasher);
+        (&entry.name, entry.given.is_some(), args.reference_spp, &args.peer).hash(&mut hasher);
     }
     let plan = format!("{:016x}", hasher.finish());
     let path = folder.join("bench.plan");
@@ -281,6 +286,21 @@ fn bench_scene(
         .iter()
         .map(|column| column.variant(gpu, entry, &|lights| load(args, &entry.file, lights)))
         .collect::<Result<Vec<_>>>()?;
+    for peer in &args.peer {
+        if entry.file.extension().is_none_or(|extension| extension != "xml") {
+            say(format!("without the peer {peer}: it reads Mitsuba scenes (.xml)"));
+            continue;
+        }
+        let request = SceneRequest {
+            file: entry.file.clone(),
+            defines: args.defines.clone(),
+            width: entry.settings.width,
+            height: entry.settings.height,
+            max_depth: entry.settings.max_depth.map_or(-1, i64::from),
+            rr_depth: entry.settings.rr_depth,
+        };
+        variants.push(Peer::variant(peer, &request, &args.output)?);
+    }
     let bench = Bench {
         folder: &args.output,
         scene: &entry.name,
