@@ -1,6 +1,7 @@
 //! The film on the host: sums per pixel, and what follows from them.
 
 use crate::layout::FilmPixel;
+use crate::metrics::RELATIVE_FLOOR;
 
 /// Sums of the samples of each pixel, row by row from the upper left.
 #[derive(Clone, Debug, Default)]
@@ -125,7 +126,8 @@ impl Film {
         }
         let (mean, variance) = (self.mean(), self.mean_variance());
         let terms = mean.pixels.iter().flatten().zip(variance.pixels.iter().flatten());
-        let sum: f64 = terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + 1e-2)).sum();
+        let sum: f64 =
+            terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + RELATIVE_FLOOR)).sum();
         Some(sum / (3 * mean.pixels.len().max(1)) as f64)
     }
 

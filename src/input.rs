@@ -55,17 +55,22 @@ pub fn read_image(path: &Path) -> Result<Image> {
     }
 }
 
+/// Refuses an EXR file that claims to be larger than it can be, before room is made for it.
+fn check_exr(path: &Path) -> Result<()> {
+    let bytes = open(path)?.metadata().map_err(|error| Error::read(path, error))?.len();
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
+    meta.headers.iter().try_for_each(|header| {
+        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
+        check_size(size, bytes, EXR_RATIO).map_err(|message| Error::read(path, message))
+    })
+}
+
 fn read_exr(path: &Path) -> Result<Image> {
     struct Pixels {
         width: usize,
         pixels: Vec<[f32; 3]>,
     }
-    let bytes = open(path)?.metadata().map_err(|error| Error::read(path, error))?.len();
-    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
-    for header in &meta.headers {
-        let size = [header.layer_size.width() as u64, header.layer_size.height() as u64];
-        check_size(size, bytes, EXR_RATIO).map_err(|message| Error::read(path, message))?;
-    }
+    check_exr(path)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -89,6 +94,7 @@ pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
     if format_of(path)? != Format::Exr {
         return Ok(None);
     }
+    check_exr(path)?;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()

@@ -81,11 +81,10 @@ fn changes(scene: &str, old: &VariantResults, new: &VariantResults, threshold: f
     let ends = |variant: &VariantResults, value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
         variant.runs.iter().filter_map(|run| run.points.last()).map(value).collect()
     };
-    let speed = |point: &Point| point.spp as f64 / point.seconds.max(1e-9);
-    let efficiency = |point: &Point| 1.0 / (point.relmse.max(1e-12) * point.seconds.max(1e-9));
+    let speed = |point: &Point| point.per_second(point.spp as f64);
     let mut all = vec![
         (Figure::Speed, ends(old, &speed), ends(new, &speed)),
-        (Figure::Efficiency, ends(old, &efficiency), ends(new, &efficiency)),
+        (Figure::Efficiency, ends(old, &Point::efficiency), ends(new, &Point::efficiency)),
     ];
     if let Some(spp) = most_common_spp(old, new) {
         let errors = |variant: &VariantResults| -> Vec<f64> {

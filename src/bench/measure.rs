@@ -4,7 +4,7 @@ use super::results::Point;
 use super::subject::Snapshot;
 use crate::error::Result;
 use crate::film::Image;
-use crate::metrics::compare;
+use crate::metrics::{RELATIVE_FLOOR, compare};
 
 /// The image that stands for the truth, with the variance of each of its pixels where that is known.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl Truth {
         let (mut mse, mut relmse, mut variances) = (0.0, 0.0, [0.0; 2]);
         if let Some(variance) = &variance {
             for (b, w) in image.pixels.iter().flatten().zip(variance.pixels.iter().flatten()) {
-                let (w, scale) = (f64::from(*w), 1.0 / (f64::from(*b).powi(2) + 1e-2));
+                let (w, scale) = (f64::from(*w), 1.0 / (f64::from(*b).powi(2) + RELATIVE_FLOOR));
                 mse += w;
                 relmse += w * scale;
                 // The square of a normal variable of variance w has the variance 2 w².

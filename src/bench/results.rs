@@ -278,6 +278,23 @@ impl Results {
     }
 }
 
+/// The least relMSE that an efficiency is computed with: below it the reference's own noise is all that is left.
+pub(super) const LEAST_ERROR: f64 = 1e-12;
+/// The least seconds that a rate is computed with.
+const LEAST_SECONDS: f64 = 1e-9;
+
+impl Point {
+    /// 1 / (relMSE x seconds).
+    pub fn efficiency(&self) -> f64 {
+        1.0 / (self.relmse.max(LEAST_ERROR) * self.seconds.max(LEAST_SECONDS))
+    }
+
+    /// So many of something, per second of rendering.
+    pub fn per_second(&self, count: f64) -> f64 {
+        count / self.seconds.max(LEAST_SECONDS)
+    }
+}
+
 impl VariantResults {
     /// The figures at the end of the runs.
     pub fn last(&self) -> Option<&CurvePoint> {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::film::Image;
+use crate::metrics::RELATIVE_FLOOR;
 
 /// Confidence of the intervals that are reported.
 pub const CONFIDENCE: f64 = 0.95;
@@ -10,8 +11,6 @@ pub const CONFIDENCE: f64 = 0.95;
 pub const SIGNIFICANCE: f64 = 0.01;
 /// Deviations of a normal variable within which it lies with [`CONFIDENCE`].
 const NORMAL_REACH: f64 = 1.959_964;
-/// What relMSE adds to the reference's square.
-const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// A mean with its confidence interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,6 @@
 //! From runs to figures: means over seeds with their intervals.
 
-use super::results::Row;
-use super::results::{CurvePoint, Floor, Pair, Point, Run, VariantResults};
+use super::results::{CurvePoint, Floor, LEAST_ERROR, Pair, Point, Row, Run, VariantResults};
 use super::run::{Bench, Event, Variant};
 use super::stats::{Interval, SIGNIFICANCE, log_slope, squared_bias};
 use crate::error::Result;
@@ -9,8 +8,6 @@ use crate::film::Image;
 
 /// Deviations by which a squared bias must exceed zero to be called one.
 const FLOOR_DEVIATIONS: f64 = 4.0;
-/// The least relMSE that an efficiency is computed with: below it the reference's own noise is all that is left.
-const LEAST_ERROR: f64 = 1e-12;
 
 /// The figures of one scene.
 pub struct Summary {
@@ -51,16 +48,12 @@ fn last_points(runs: &[Run]) -> Vec<&Point> {
     runs.iter().filter_map(|run| run.points.last()).collect()
 }
 
-fn efficiency(point: &Point) -> f64 {
-    1.0 / (point.relmse.max(LEAST_ERROR) * point.seconds.max(1e-9))
-}
-
 fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [f64; 2]) -> VariantResults {
     let last = last_points(runs);
     let over = |value: &dyn Fn(&Point) -> f64| last.iter().map(|point| value(point)).collect::<Vec<f64>>();
     let slopes: Vec<f64> = runs.iter().filter_map(slope).collect();
     let rays: Option<Vec<f64>> =
-        runs.iter().zip(&last).map(|(run, point)| run.rays.map(|rays| rays as f64 / point.seconds.max(1e-9))).collect();
+        runs.iter().zip(&last).map(|(run, point)| run.rays.map(|rays| point.per_second(rays as f64))).collect();
     let estimates: Option<Vec<f64>> =
         last.iter().map(|point| point.estimated_relmse.map(|own| own / point.relmse.max(LEAST_ERROR))).collect();
     let subject = &variant.subject;
@@ -75,12 +68,12 @@ fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [
         setup: subject.setup(),
         device_bytes: subject.device_bytes(),
         curve: curve(runs, shared),
-        efficiency: Interval::geometric(&over(&efficiency)),
+        efficiency: Interval::geometric(&over(&Point::efficiency)),
         slope: Interval::of(&slopes),
         floor,
         energy_ratio: Interval::of(&over(&|point| point.energy_ratio)),
         estimate_ratio: estimates.map(|values| Interval::geometric(&values)),
-        samples_per_s: Interval::geometric(&over(&|point| point.spp as f64 * pixels / point.seconds.max(1e-9))),
+        samples_per_s: Interval::geometric(&over(&|point| point.per_second(point.spp as f64 * pixels))),
         rays_per_s: rays.map(|values| Interval::geometric(&values)),
         runs: runs.to_vec(),
     }
@@ -127,13 +120,13 @@ fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
         let both = last_points(&variant.runs).into_iter().zip(last_points(&against.runs));
         both.map(|(a, b)| value(a) / value(b)).collect()
     };
-    let efficiencies = ratios(&efficiency);
+    let efficiencies = ratios(&Point::efficiency);
     let strict = Interval::geometric_with(&efficiencies, 1.0 - SIGNIFICANCE);
     Pair {
         variant: variant.name.clone(),
         against: against.name.clone(),
         efficiency_ratio: Interval::geometric(&efficiencies),
-        speed_ratio: Interval::geometric(&ratios(&|point| point.spp as f64 / point.seconds.max(1e-9))),
+        speed_ratio: Interval::geometric(&ratios(&|point| point.per_second(point.spp as f64))),
         significant: efficiencies.len() > 1 && !strict.contains(1.0),
     }
 }

@@ -44,11 +44,11 @@ pub(super) struct RenderArgs {
     spp: Option<u32>,
 
     /// Render for this long instead
-    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
+    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_positive, allow_negative_numbers = true)]
     time: Option<f64>,
 
     /// Stop once the estimate of the relMSE, from the variance of the samples, is no more than this; with -n or -t at the latest there
-    #[arg(short = 'e', long, value_name = "RELMSE", value_parser = parse_error_target, allow_negative_numbers = true)]
+    #[arg(short = 'e', long, value_name = "RELMSE", value_parser = parse_positive, allow_negative_numbers = true)]
     error: Option<f64>,
 
     /// Size of the image in pixels
@@ -124,18 +124,11 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| String::from("it must be WIDTHxHEIGHT, each 1 to 65536"))
 }
 
-pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
     text.parse::<f64>()
         .ok()
-        .filter(|seconds| *seconds > 0.0 && seconds.is_finite())
+        .filter(|number| *number > 0.0 && number.is_finite())
         .ok_or_else(|| String::from("it must be a number above 0"))
-}
-
-fn parse_error_target(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|relmse| *relmse > 0.0 && relmse.is_finite())
-        .ok_or_else(|| String::from("it must be a number above 0, such as 0.01"))
 }
 
 const AOVS: [&str; 2] = ["variance", "samples"];

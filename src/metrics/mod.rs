@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::film::Image;
 
 /// What relMSE adds to the reference's square, so that black pixels do not decide.
-const RELATIVE_FLOOR: f64 = 1e-2;
+pub const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// The figures of `lumbre compare`. Pixels and channels where either image is not finite are counted and left out.
 #[derive(Clone, Copy, Debug, Serialize)]

@@ -14,7 +14,7 @@ use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
 use super::texture::{Pattern, Texels, TextureDescription, TextureImage, srgb_table};
-use super::{Environment, FilmSettings, Filter, Instance, LightTree, Scene, TechniqueRequest, environment, mip_maps};
+use super::{Environment, FilmSettings, Filter, Instance, Scene, TechniqueRequest, environment, mip_maps};
 use crate::bvh::Bounds;
 use crate::error::{Error, Result, plain};
 use crate::layout::{
@@ -408,7 +408,7 @@ impl SceneBuilder {
             lights: table.lights,
             table_lights: table.in_table,
             table_probability: table.table_probability as f32,
-            light_tree: LightTree { nodes: table.tree.nodes, origin: table.tree.origin, scale: table.tree.scale },
+            light_tree: table.tree,
             background: background.map(|rgb| rgb.map(|channel| channel as f32)),
             environment,
             background_probability: table.background_probability as f32,

@@ -4,7 +4,7 @@
 use super::alias::alias_table;
 use super::flatten::Emitter;
 use super::light::{power, triangle_area};
-use super::light_tree::{self, LightTree};
+use super::{LightTree, light_tree};
 use crate::error::one_of;
 use crate::layout::{LIGHT_DIRECTIONAL, LIGHT_LEAF_BIT, LIGHT_SPHERE, Light, Primitive, SURFACE_MASK, Surface};
 
@@ -99,10 +99,10 @@ pub(super) fn arrange(
     let in_table = if with_tree { candidates.len() - near } else { candidates.len() };
     let weights: Vec<f64> = candidates.iter().map(weigh).collect();
     let table_total: f64 = weights[..in_table].iter().sum();
-    let table_probability = match (in_table, with_tree) {
+    let table_probability = match with_tree {
         _ if table_total <= 0.0 => 0.0,
-        (_, false) => 1.0,
-        (_, true) => (table_total / total).clamp(0.1, 0.9),
+        false => 1.0,
+        true => (table_total / total).clamp(0.1, 0.9),
     };
     let mut lights: Vec<Light> = candidates.iter().map(|candidate| candidate.light).collect();
     let any = 1.0 - background_probability;
@@ -113,7 +113,7 @@ pub(super) fn arrange(
         }
     }
     let factors: Vec<f64> = candidates[in_table..].iter().map(|candidate| candidate.factor).collect();
-    let tree = light_tree::build(&lights[in_table..], &factors, in_table as u32);
+    let (tree, trails) = light_tree::build(&lights[in_table..], &factors, in_table as u32);
     let to_tree = ((1.0 - table_probability) * any) as f32;
     for light in &mut lights[in_table..] {
         light.probability = to_tree; // times what the tree says at a point
@@ -123,7 +123,7 @@ pub(super) fn arrange(
         if index >= in_table {
             surface = own_surface(surfaces, &mut primitives[primitive]);
             lights[index].source = surface as u32;
-            surfaces[surface].light_trail = tree.trails[index - in_table];
+            surfaces[surface].light_trail = trails[index - in_table];
         }
         let light = &lights[index];
         surfaces[surface].light_density = if light.kind == LIGHT_SPHERE {

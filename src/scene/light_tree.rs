@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::light::triangle_area;
+use super::LightTree;
+use super::light::{importance, triangle_area};
 use crate::layout::{
     LIGHT_LEAF_BIT, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, LightNode,
 };
@@ -20,19 +21,6 @@ const BINS: usize = 12;
 const MOST_LEVELS: u32 = 31;
 /// Added to half angles of cones, radians: more than what packing their axis and their cosine takes away.
 const CONE_MARGIN: f64 = 1e-3;
-
-/// A tree over lights.
-#[derive(Clone, Debug, Default)]
-pub(super) struct LightTree {
-    /// The nodes, the root first; children lie side by side.
-    pub nodes: Vec<LightNode>,
-    /// For each light the way to its leaf: the lowest bit is the turn at the root, 1 to the second child.
-    pub trails: Vec<u32>,
-    /// Where the nodes' coordinates have their origin ...
-    pub origin: Vec3,
-    /// ... and by what they are multiplied: the root's radius becomes one.
-    pub scale: f32,
-}
 
 /// What some lights have in common.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +45,7 @@ impl LightBounds {
             let position = at(light.position);
             (position, position, axis, facing, spread)
         };
-        let strength = factor * super::light::importance(light.radiance.map(f64::from));
+        let strength = factor * importance(light.radiance.map(f64::from));
         let ((min, max, axis, facing, spread), intensity) = match light.kind {
             LIGHT_TRIANGLE => {
                 let [v0, v1, v2] = [light.position, light.v1, light.v2].map(at);
@@ -139,28 +127,29 @@ fn cone_union(a: (DVec3, f64), b: (DVec3, f64)) -> (DVec3, f64) {
 }
 
 /// Builds a tree over lights that have a place; `factors` are what textures leave of each one's intensity, and `first` is
-/// the index of the first of them in the light table.
-pub(super) fn build(lights: &[Light], factors: &[f64], first: u32) -> LightTree {
+/// the index of the first of them in the light table. Beside it, for each light, the way to its leaf: the lowest bit is the turn at
+/// the root, 1 to the second child.
+pub(super) fn build(lights: &[Light], factors: &[f64], first: u32) -> (LightTree, Vec<u32>) {
     let bounds: Vec<LightBounds> =
         lights.iter().zip(factors).map(|(light, factor)| LightBounds::of(light, *factor)).collect();
-    let Some(all) = bounds.iter().copied().reduce(LightBounds::union) else { return LightTree::default() };
-    let origin = all.centre();
+    let Some(all) = bounds.iter().copied().reduce(LightBounds::union) else { return Default::default() };
     let scale = 1.0 / (0.5 * (all.max - all.min).length()).max(f64::from(f32::MIN_POSITIVE) * 1e6);
-    let mut tree = LightTree {
-        nodes: vec![LightNode::default()],
+    let mut build = Build {
+        bounds: &bounds,
+        tree: LightTree { nodes: vec![LightNode::default()], origin: all.centre().as_vec3(), scale: scale as f32 },
         trails: vec![0; lights.len()],
-        origin: origin.as_vec3(),
-        scale: scale as f32,
+        first,
+        total: all.intensity.max(f64::MIN_POSITIVE),
     };
     let mut order: Vec<u32> = (0..lights.len() as u32).collect();
-    let mut build = Build { bounds: &bounds, tree: &mut tree, first, total: all.intensity.max(f64::MIN_POSITIVE) };
     build.node(0, &mut order, 0, 0);
-    tree
+    (build.tree, build.trails)
 }
 
 struct Build<'a> {
     bounds: &'a [LightBounds],
-    tree: &'a mut LightTree,
+    tree: LightTree,
+    trails: Vec<u32>,
     first: u32,
     total: f64,
 }
@@ -170,7 +159,7 @@ impl Build<'_> {
     fn node(&mut self, index: usize, lights: &mut [u32], level: u32, trail: u32) {
         let all = self.union(lights);
         let link = if let [light] = lights {
-            self.tree.trails[*light as usize] = trail;
+            self.trails[*light as usize] = trail;
             (self.first + *light) | LIGHT_LEAF_BIT
         } else {
             let children = self.tree.nodes.len();
@@ -330,9 +319,9 @@ mod tests {
         for place in places {
             for count in [1, 2, 3, 100] {
                 let lights: Vec<Light> = (0..count).map(|i| triangle(place(i), 0.1, 1.0 + i as f32)).collect();
-                let tree = build(&lights, &vec![1.0; lights.len()], 5);
+                let (tree, trails) = build(&lights, &vec![1.0; lights.len()], 5);
                 assert_eq!(tree.nodes.len(), 2 * lights.len() - 1);
-                for (index, trail) in tree.trails.iter().enumerate() {
+                for (index, trail) in trails.iter().enumerate() {
                     assert_eq!(leaf(&tree, *trail), 5 + index as u32);
                 }
                 assert!((f64::from(tree.nodes[0].intensity) - 1.0).abs() < 1e-6);

@@ -161,6 +161,7 @@ impl Needs {
     /// Everything that there is, whatever the scene uses: what specialisation is measured against. How lights are sampled
     /// and textures filtered are choices for the scene rather than needs, and stay.
     pub fn everything(scene: &Scene) -> Self {
+        let own = Self::of(scene);
         Self {
             instances: true,
             spheres: true,
@@ -172,13 +173,13 @@ impl Needs {
             masks: true,
             materials: [true; MATERIAL_KINDS as usize],
             material_textures: true,
-            mip_maps: Self::of(scene).mip_maps,
+            mip_maps: own.mip_maps,
             beckmann: true,
             absorption: true,
             energy_compensation: true,
             lights: [true; LIGHT_KINDS as usize],
-            large_lights: Self::of(scene).large_lights,
-            light_tree: Self::of(scene).light_tree,
+            large_lights: own.large_lights,
+            light_tree: own.light_tree,
             textured_lights: true,
             projectors: true,
             background: true,

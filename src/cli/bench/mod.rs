@@ -22,7 +22,7 @@ use lumbre::output::{Picture, check_writable, replace_file, write_picture};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
 
-use super::render::{Depth, listen_for_interrupts, parse_depth, parse_seconds, parse_size};
+use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
 use super::{DeviceArgs, parse_define, print, print_warnings};
 use columns::{Column, reference_technique};
 
@@ -49,7 +49,7 @@ pub(super) struct BenchArgs {
     peer: Vec<String>,
 
     /// Seconds of rendering per run
-    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_seconds, allow_negative_numbers = true)]
+    #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_positive, allow_negative_numbers = true)]
     time: Option<f64>,
 
     /// Samples per pixel of each run instead
@@ -144,7 +144,8 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
     let entries = read_scenes(args, &techniques)?;
     let gpu = args.device.open()?;
     let columns = Column::all(&techniques, &args.backend, &ablations, &gpu)?;
-    prepare_folder(args, &entries, &columns, &gpu, limits)?;
+    let fingerprints: Vec<u64> = entries.iter().map(|entry| fingerprint(entry, &columns, &gpu, limits)).collect();
+    prepare_folder(args, &entries, &fingerprints)?;
 
     let started = humantime::format_rfc3339_seconds(std::time::SystemTime::now()).to_string();
     let mut results = Results {
@@ -159,7 +160,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
         confidence: CONFIDENCE,
         scenes: Vec::new(),
     };
-    for entry in &entries {
+    for (entry, fingerprint) in entries.iter().zip(fingerprints) {
         let stop = || {
             if interrupted.load(Ordering::Relaxed) {
                 let folder = args.output.display();
@@ -169,7 +170,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
             }
             Ok(())
         };
-        results.scenes.push(bench_scene(args, entry, &columns, &gpu, limits, &stop)?);
+        results.scenes.push(bench_scene(args, entry, &columns, &gpu, (limits, fingerprint), &stop)?);
         write_results(&args.output, &results)?;
     }
     DeviceArgs::report_validation(&gpu)?;
@@ -231,7 +232,7 @@ fn load(args: &BenchArgs, file: &Path, lights: LightSelection) -> Result<Scene> 
 }
 
 /// Makes the folder; refuses one that holds another bench.
-fn prepare_folder(args: &BenchArgs, entries: &[Entry], columns: &[Column], gpu: &Gpu, limits: Limits) -> Result<()> {
+fn prepare_folder(args: &BenchArgs, entries: &[Entry], fingerprints: &[u64]) -> Result<()> {
     let folder = &args.output;
     for part in [folder.clone(), folder.join("runs"), folder.join("images")] {
         std::fs::create_dir_all(&part)
@@ -239,8 +240,8 @@ fn prepare_folder(args: &BenchArgs, entries: &[Entry], columns: &[Column], gpu: 
     }
     check_writable(&folder.join("results.json"))?;
     let mut hasher = DefaultHasher::new();
+    fingerprints.hash(&mut hasher);
     for entry in entries {
-        fingerprint(entry, columns, gpu, limits).hash(&mut hasher);
         (&entry.name, entry.given.is_some(), args.reference_spp, &args.peer).hash(&mut hasher);
     }
     let plan = format!("{:016x}", hasher.finish());
@@ -273,7 +274,7 @@ fn bench_scene(
     entry: &Entry,
     columns: &[Column],
     gpu: &Gpu,
-    limits: Limits,
+    (limits, fingerprint): (Limits, u64),
     stop: &dyn Fn() -> Result<()>,
 ) -> Result<SceneResults> {
     let say = |text: String| {
@@ -301,13 +302,7 @@ fn bench_scene(
         };
         variants.push(Peer::variant(peer, &request, &args.output)?);
     }
-    let bench = Bench {
-        folder: &args.output,
-        scene: &entry.name,
-        limits,
-        fingerprint: fingerprint(entry, columns, gpu, limits),
-        truth: &truth,
-    };
+    let bench = Bench { folder: &args.output, scene: &entry.name, limits, fingerprint, truth: &truth };
     let summary = bench.results(&mut variants, |event| {
         stop()?;
         match event {
@@ -371,8 +366,6 @@ fn obtain_reference(
 
 /// Writes results.json, and the page and the table that are made of it.
 fn write_results(folder: &Path, results: &Results) -> Result<()> {
-    let path = folder.join("results.json");
-    let text = serde_json::to_string_pretty(results).map_err(|error| Error::write(&path, error))?;
-    replace_file(&path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))?;
+    write_json(&folder.join("results.json"), results)?;
     lumbre::report::write(folder, results)
 }
