@@ -50,6 +50,7 @@ pub mod output;
 pub mod rays;
 pub mod render;
 pub mod report;
+pub mod sampler;
 pub mod scene;
 
 pub use error::{Error, Result};

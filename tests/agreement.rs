@@ -10,7 +10,9 @@ use lumbre::film::Film;
 use lumbre::gpu::Gpu;
 use lumbre::integrator::{Bias, INTEGRATORS, Solves};
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
-use lumbre::render::Renderer;
+use lumbre::metrics::compare;
+use lumbre::render::{Renderer, Settings};
+use lumbre::sampler::Sampler;
 use lumbre::scene::Scene;
 
 const TILE: u32 = 16;
@@ -80,6 +82,28 @@ fn techniques_agree_on_veach_mis() {
         ("radiance_lamp", "2.4"),
     ];
     techniques_agree("veach_mis.xml", &rougher, 256);
+}
+
+/// Samplers give the same image in the mean. Scrambled Sobol pairs have less error than the variance of the samples says: the test of
+/// the mean is a cautious one for them, and the error itself is measured against a reference of the same image.
+#[test]
+fn samplers_agree() {
+    let scene = canon("veach_mis.xml", &[("width", "96"), ("height", "64")]);
+    with_gpu(|gpu| {
+        let truth = film(gpu, &scene, "path", Backend::Bvh, 1000, 4096);
+        for backend in backends(gpu) {
+            let error = |sampler: Sampler| {
+                let settings = Settings { sampler, seed: 5, ..settings(&scene, "path", backend) };
+                let film = render(gpu, &scene, &settings, 256);
+                let what = format!("path from {} numbers on {}", sampler.name(), backend.name());
+                assert_same_mean(&what, &film, &truth, TILE);
+                compare(&film.mean(), &truth.mean()).unwrap().relmse
+            };
+            let [independent, sobol] = [Sampler::Independent, Sampler::Sobol].map(error);
+            println!("relMSE of 256 samples on {}: {independent:.2e} and {sobol:.2e}", backend.name());
+            assert!(sobol < 0.5 * independent, "{sobol} is not half of {independent}");
+        }
+    });
 }
 
 /// The same command gives the same bits, however the work is cut into frames; another seed does not.

@@ -4,10 +4,11 @@
 
 mod common;
 
-use common::sampling::{Mapped, chi_square_z, random};
+use common::sampling::{Mapped, chi_square_z, random, random_from};
 use common::with_gpu;
 use glam::Vec3;
 use lumbre::layout::RandomQuery;
+use lumbre::sampler::{SAMPLERS, Sampler};
 
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len() as f64;
@@ -20,6 +21,11 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 
 #[test]
 fn random_numbers_are_uniform_and_uncorrelated() {
+    SAMPLERS.iter().for_each(|row| is_uniform_and_uncorrelated(row.sampler));
+}
+
+fn is_uniform_and_uncorrelated(sampler: Sampler) {
+    println!("{}", sampler.name());
     const SIDE: u32 = 512;
     let base: Vec<RandomQuery> = (0..SIDE * SIDE)
         .map(|index| RandomQuery { pixel: index % SIDE, sample_index: index / SIDE, dimension: 3, seed: 1 })
@@ -40,7 +46,7 @@ fn random_numbers_are_uniform_and_uncorrelated() {
     ];
     with_gpu(|gpu| {
         let column = |rows: &[Mapped], index: usize| rows.iter().map(|row| f64::from(row[index])).collect::<Vec<f64>>();
-        let here = random(gpu, &base);
+        let here = random_from(gpu, sampler, &base);
         let bound = 3.0 / f64::from(SIDE); // 3 / sqrt(N)
         for index in 0..4 {
             let values = column(&here, index);
@@ -59,13 +65,51 @@ fn random_numbers_are_uniform_and_uncorrelated() {
             }
         }
         for (name, queries) in neighbours {
-            let there = random(gpu, &queries);
+            if sampler == Sampler::Sobol && name == "the next sample" {
+                continue; // it is meant to lie elsewhere than the last one
+            }
+            let there = random_from(gpu, sampler, &queries);
             for index in 0..4 {
                 let r = correlation(&column(&here, index), &column(&there, index));
                 println!("{name}, number {index}: correlation {r:+.5}, bound {bound:.5}");
                 assert!(r.abs() < bound, "{name}, number {index}: correlation {r}");
             }
         }
+    });
+}
+
+/// The first 2^m samples of a pixel are a (0, m, 2)-net in each pair of numbers (Niederreiter 1992, definition 4.1): every
+/// rectangle of area 2^-m whose sides are powers of two, at a multiple of them, holds exactly one. No two pairs are the same.
+#[test]
+fn sobol_pairs_are_nets() {
+    const LARGEST: u32 = 10;
+    let mut queries = Vec::new();
+    for (pixel, dimension, seed) in [(0, 0, 0), (1, 0, 0), (77, 3, 0), (77, 4, 9), (1 << 20, 513, u32::MAX)] {
+        let samples = 0..1 << LARGEST;
+        queries.extend(samples.map(|sample_index| RandomQuery { pixel, sample_index, dimension, seed }));
+    }
+    with_gpu(|gpu| {
+        let rows = random_from(gpu, Sampler::Sobol, &queries);
+        let mut first = Vec::new();
+        for points in rows.chunks(1 << LARGEST) {
+            for pair in [0, 2] {
+                for m in 0..=LARGEST {
+                    for across in 0..=m {
+                        let mut taken = vec![false; 1 << m];
+                        for point in &points[..1 << m] {
+                            let column = (point[pair] * (1u32 << across) as f32) as usize;
+                            let row = (point[pair + 1] * (1u32 << (m - across)) as f32) as usize;
+                            let cell = column << (m - across) | row;
+                            assert!(!std::mem::replace(&mut taken[cell], true), "2^{m} points, 2^{across} columns");
+                        }
+                    }
+                }
+                first.push((points[0][pair].to_bits(), points[0][pair + 1].to_bits()));
+            }
+        }
+        first.sort_unstable();
+        first.dedup();
+        assert_eq!(first.len(), 10, "pairs are scrambled alike");
     });
 }
 

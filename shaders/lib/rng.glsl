@@ -1,4 +1,4 @@
-// Counter-based random numbers: a pure function of (seed, pixel, sample, dimension), so that frame size, order and
+// Counter-based uniform numbers: a pure function of (seed, pixel, sample, dimension), so that frame size, order and
 // backend change nothing.
 
 struct Sampler {
@@ -23,9 +23,48 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// The next four independent numbers, uniform on [0, 1) in steps of 2^-24.
+// The bits of x, each flipped or not by a hash of the bits below it: a nested uniform scramble (Owen 1995) of the number
+// whose bits are those of x in reverse (Laine and Karras 2011; constants by Vegdahl 2021, "Building a better LK hash").
+uint owen_hash(uint x, uint key) {
+    x ^= x * 0x3d20adeau;
+    x += key;
+    x *= (key >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+// The second dimension of the Sobol sequence with its bits in reverse, as the first dimension has those of the index: Pascal's
+// triangle modulo 2, by halves (Ahmed 2024, "An implementation algorithm of 2D Sobol sequence, fast, elegant and compact").
+uint sobol_second(uint index) {
+    index ^= (index >> 16u) & 0x0000ffffu;
+    index ^= (index >> 8u) & 0x00ff00ffu;
+    index ^= (index >> 4u) & 0x0f0f0f0fu;
+    index ^= (index >> 2u) & 0x33333333u;
+    index ^= (index >> 1u) & 0x55555555u;
+    return index;
+}
+
+// A point of the sequence, its order shuffled and its coordinates scrambled by keys: 32 bits each. `reversed` is the index
+// with its bits in reverse. Shuffling one index and scrambling each dimension keeps the net (Burley 2020, "Practical hash-based
+// Owen scrambling", sections 3 and 4).
+uvec2 sobol_pair(uint reversed, uint shuffle, uint key_x, uint key_y) {
+    uint index = bitfieldReverse(owen_hash(reversed, shuffle));
+    return bitfieldReverse(uvec2(owen_hash(index, key_x), owen_hash(sobol_second(index), key_y)));
+}
+
+// The next four numbers, uniform on [0, 1) in steps of 2^-24: independent ones, or two pairs, each of which is spread evenly over
+// the unit square by the samples of a pixel.
 vec4 next4(inout Sampler s) {
-    uvec4 bits = pcg4d(uvec4(s.pixel, s.sample_index, s.dimension, s.seed));
+    uvec4 bits;
+    if (HAS_SOBOL) {
+        uvec4 key = pcg4d(uvec4(s.pixel, s.dimension, s.seed, 0x5b0e1u));
+        uvec4 more = pcg4d(key);
+        uint reversed = bitfieldReverse(s.sample_index);
+        bits = uvec4(sobol_pair(reversed, key.x, key.y, key.z), sobol_pair(reversed, more.x, more.y, more.z));
+    } else {
+        bits = pcg4d(uvec4(s.pixel, s.sample_index, s.dimension, s.seed));
+    }
     s.dimension += 1u;
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }

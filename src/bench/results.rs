@@ -295,7 +295,19 @@ impl Point {
     }
 }
 
+/// How far from the true relMSE a renderer's own estimate may be to count as right.
+pub const ESTIMATE_TOLERANCE: f64 = 0.15;
+
 impl VariantResults {
+    /// How often the renderer's own estimate of its relMSE at the end of a run was right within [`ESTIMATE_TOLERANCE`] of the
+    /// true one: so many runs, of so many that have an estimate.
+    pub fn estimate_coverage(&self) -> (usize, usize) {
+        let last = self.runs.iter().filter_map(|run| run.points.last());
+        let ratios: Vec<f64> = last.filter_map(|point| Some(point.estimated_relmse? / point.relmse)).collect();
+        let right = ratios.iter().filter(|ratio| (**ratio - 1.0).abs() <= ESTIMATE_TOLERANCE).count();
+        (right, ratios.len())
+    }
+
     /// The figures at the end of the runs.
     pub fn last(&self) -> Option<&CurvePoint> {
         self.curve.last()

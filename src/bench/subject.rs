@@ -93,6 +93,7 @@ impl Subject for Lumbre {
     }
 
     fn begin(&mut self, seed: u32) -> Result<()> {
+        self.renderer.remake_kernel()?;
         self.renderer.restart(seed)
     }
 

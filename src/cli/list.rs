@@ -1,7 +1,8 @@
-//! `lumbre list`: the table of techniques.
+//! `lumbre list`: the tables of techniques and samplers.
 
 use lumbre::error::Result;
 use lumbre::integrator::{Bias, INTEGRATORS, Solves, Values};
+use lumbre::sampler::SAMPLERS;
 
 use super::print;
 
@@ -24,6 +25,10 @@ pub(super) fn run() -> Result<()> {
             };
             print(&format!("{:14} :{}={values}\n{:16}{}", "", parameter.name, "", parameter.about));
         }
+    }
+    print("samplers");
+    for row in SAMPLERS {
+        print(&format!("{:<14} {}", row.name, row.about));
     }
     Ok(())
 }

@@ -16,6 +16,7 @@ use lumbre::gpu::Gpu;
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
 use lumbre::output::{Format, check_writable, format_of, replace_file, write_picture};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
+use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
@@ -66,6 +67,10 @@ pub(super) struct RenderArgs {
     /// Probability that Russian roulette ends a path, for techniques with a constant one
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     rr_q: Option<String>,
+
+    /// Where uniform numbers come from: independent or sobol
+    #[arg(long, value_name = "NAME", default_value = SAMPLERS[0].name, value_parser = parse_sampler)]
+    sampler: Sampler,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -129,6 +134,10 @@ pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|number| *number > 0.0 && number.is_finite())
         .ok_or_else(|| String::from("it must be a number above 0"))
+}
+
+fn parse_sampler(text: &str) -> Result<Sampler, String> {
+    Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
 
 const AOVS: [&str; 2] = ["variance", "samples"];
@@ -252,6 +261,7 @@ fn settle(
     }
     scene.camera(args.camera.as_deref())?;
     settings.camera.clone_from(&args.camera);
+    settings.sampler = args.sampler;
     settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
     if let Some(Depth(depth)) = args.max_depth {

@@ -154,6 +154,8 @@ specialisation! {
     62 mip_maps HAS_MIP_MAPS: bool;
     /// Some rough metal or rough glass gets back what it loses to multiple scattering.
     70 energy_compensation HAS_ENERGY_COMPENSATION: bool;
+    /// Uniform numbers come in scrambled Sobol pairs instead of independently.
+    71 sobol HAS_SOBOL: bool;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.

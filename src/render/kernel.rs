@@ -6,10 +6,10 @@ use std::time::Instant;
 use super::settings::Settings;
 use super::upload::Uploaded;
 use super::watch::Watch;
-use crate::backend::Backend;
 use crate::error::Result;
 use crate::gpu::{Bindings, DeviceKind, Gpu, Pipeline};
 use crate::layout::{INLINE_FIRST_ID, NONE, Specialisation};
+use crate::sampler::Sampler;
 use crate::scene::Scene;
 
 /// A pipeline, specialised to a scene, and the scene on the device.
@@ -21,6 +21,9 @@ pub(super) struct Kernel {
     pub build_seconds: f64,
     /// Seconds that making the pipeline took.
     pub compile_seconds: f64,
+    /// What the pipeline was made of.
+    module: String,
+    constants: Vec<(u32, u32)>,
 }
 
 impl Kernel {
@@ -56,6 +59,7 @@ impl Kernel {
             select_stack: gpu.survey().kind == DeviceKind::Cpu,
             stack_size: uploaded.stack_size,
             inline_count: uploaded.inline.len() as u32,
+            sobol: settings.sampler == Sampler::Sobol,
             param0,
             param1,
             param2,
@@ -68,14 +72,27 @@ impl Kernel {
         let mut constants = special.words();
         let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
         constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
-        let pipeline = Pipeline::new(gpu, &name, &constants, settings.backend == Backend::RayQuery)?;
-        let bindings = pipeline.bind(&uploaded.uniforms, uploaded.tlas.as_ref())?;
+        let (pipeline, bindings) = Self::make(gpu, &name, &constants, &uploaded)?;
         Ok(Self {
             pipeline,
             bindings,
             scene: uploaded,
             build_seconds,
             compile_seconds: started.elapsed().as_secs_f64(),
+            module: name,
+            constants,
         })
+    }
+
+    fn make(gpu: &Gpu, module: &str, constants: &[(u32, u32)], scene: &Uploaded) -> Result<(Pipeline, Bindings)> {
+        let pipeline = Pipeline::new(gpu, module, constants, scene.tlas.is_some())?;
+        let bindings = pipeline.bind(&scene.uniforms, scene.tlas.as_ref())?;
+        Ok((pipeline, bindings))
+    }
+
+    /// Makes the same pipeline once more, beside the old one, which goes then: its code comes to lie elsewhere.
+    pub fn remake(&mut self, gpu: &Gpu) -> Result<()> {
+        (self.pipeline, self.bindings) = Self::make(gpu, &self.module, &self.constants, &self.scene)?;
+        Ok(())
     }
 }

@@ -121,6 +121,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:
+    /// of kernels with the same bytes, one in twenty ran up to 1.7 times slower than the others, for as long as it lived
+    /// (docs/lavapipe.md). Whoever compares speeds does this before each run, which makes it noise of that run.
+    pub fn remake_kernel(&mut self) -> Result<()> {
+        self.kernel.remake(&self.gpu)?;
+        self.dispatch(0, 0, 0, 0).map(drop)
+    }
+
     /// Samples that every pixel has.
     pub fn spp(&self) -> u32 {
         self.plan.spp()

@@ -5,6 +5,7 @@ use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
 use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
+use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
 
@@ -125,6 +126,8 @@ pub struct Settings {
     pub max_depth: Option<u32>,
     /// Segments after which Russian roulette may end a path.
     pub rr_depth: u32,
+    /// Where uniform numbers come from.
+    pub sampler: Sampler,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Layers by path length; 0 for none. The last one also takes every longer path.
@@ -149,6 +152,7 @@ impl Settings {
             filter: scene.film.filter,
             camera: None,
             max_depth: scene.technique.max_depth.unwrap_or(None),
+            sampler: SAMPLERS[0].sampler,
             seed: 0,
             lengths: 0,
             specialise: true,

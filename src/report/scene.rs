@@ -4,7 +4,7 @@ use super::chart::{Chart, Guide, Series, Spot, Through, describe, key};
 use super::html::{escape, fact};
 use super::pictures::Pictures;
 use super::{number, rows, summary};
-use crate::bench::results::{CurvePoint, Reference, SceneResults, VariantResults};
+use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, Reference, SceneResults, VariantResults};
 use crate::bench::stats::Interval;
 
 /// A measure of error with its curves.
@@ -89,19 +89,33 @@ fn what_ran(scene: &SceneResults) -> String {
                 ("Options", options),
                 ("Bias", bias),
                 ("Time in kernels", kernel_share(variant)),
+                ("Own estimate of relMSE", own_estimate(variant)),
             ]
             .map(|(label, cell)| format!("<td role=\"cell\" data-label=\"{label}\"><div>{cell}</div></td>"))
             .concat()
         )
     };
     let rows: String = scene.variants.iter().enumerate().map(row).collect();
-    let heads = ["Variant", "Renderer", "Technique", "Backend", "Options", "Bias", "Time in kernels"]
-        .map(|head| format!("<th scope=\"col\" role=\"columnheader\">{head}</th>"));
+    let heads =
+        ["Variant", "Renderer", "Technique", "Backend", "Options", "Bias", "Time in kernels", "Own estimate of relMSE"]
+            .map(|head| format!("<th scope=\"col\" role=\"columnheader\">{head}</th>"));
     format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"What ran\">\n<table class=\"ran\" role=\"table\">\n\
          <thead role=\"rowgroup\"><tr role=\"row\">{}</tr></thead>\n<tbody role=\"rowgroup\">\n{rows}</tbody>\n</table>\n</div>\n",
         heads.concat()
     )
+}
+
+/// What the variant's own estimate of its relMSE, at which `render -e` stops, is of the true one, and how often it was right.
+fn own_estimate(variant: &VariantResults) -> String {
+    match (variant.estimate_coverage(), &variant.estimate_ratio) {
+        ((_, 0), _) | (_, None) => String::from("none"),
+        ((right, runs), Some(ratio)) => format!(
+            "{} of the true one; within {} % in {right} of {runs} runs",
+            number::interval_line(ratio),
+            number::trimmed(100.0 * ESTIMATE_TOLERANCE)
+        ),
+    }
 }
 
 /// The share of the time of rendering that the device spends in kernels, at the end.

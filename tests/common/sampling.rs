@@ -5,7 +5,8 @@ use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
 use lumbre::layout::RandomQuery;
-use lumbre::render::Probe;
+use lumbre::render::{Probe, Settings};
+use lumbre::sampler::Sampler;
 use lumbre::scene::material::{self, MaterialDescription};
 use lumbre::scene::{Scene, SceneBuilder, SurfaceDescription};
 
@@ -15,9 +16,14 @@ use super::settings;
 pub type Mapped = [f32; 14];
 
 pub fn random(gpu: &Gpu, queries: &[RandomQuery]) -> Vec<Mapped> {
+    random_from(gpu, Sampler::Independent, queries)
+}
+
+/// The same from a sampler.
+pub fn random_from(gpu: &Gpu, sampler: Sampler, queries: &[RandomQuery]) -> Vec<Mapped> {
     let scene = with_materials(&[material::diffuse([0.5; 3]).into()]);
-    let probe = Probe::new(gpu, &scene, &settings(&scene, "path", Backend::Bvh), "test/random").unwrap();
-    probe.run(queries).unwrap()
+    let settings = Settings { sampler, ..settings(&scene, "path", Backend::Bvh) };
+    Probe::new(gpu, &scene, &settings, "test/random").unwrap().run(queries).unwrap()
 }
 
 /// A scene that uses these materials, so that none is left out of the kernel.

@@ -9,6 +9,7 @@ use lumbre::gpu::Gpu;
 use lumbre::integrator::{Bias, INTEGRATORS, Solves};
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT};
 use lumbre::render::{Settings, Technique};
+use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};
 
 use super::super::choose_backend;
@@ -22,13 +23,15 @@ const REFERENCE_SEED: u32 = 0xffff_fff0;
 pub(super) enum Ablation {
     NoSpecialise,
     Lights(LightSelection),
+    Sampler(Sampler),
 }
 
 /// Every ablation, by its name on the command line.
-const ABLATIONS: [(&str, Ablation); 3] = [
+const ABLATIONS: [(&str, Ablation); 4] = [
     ("no-specialise", Ablation::NoSpecialise),
     ("lights=power", Ablation::Lights(LightSelection::Power)),
     ("lights=tree", Ablation::Lights(LightSelection::Tree)),
+    ("sampler=sobol", Ablation::Sampler(Sampler::Sobol)),
 ];
 
 pub(super) fn parse_ablations(names: &[String]) -> Result<Vec<(&'static str, Ablation)>> {
@@ -94,6 +97,7 @@ impl Column {
             options.push(name.to_owned());
             match ablation {
                 Ablation::NoSpecialise => settings.specialise = false,
+                Ablation::Sampler(sampler) => settings.sampler = sampler,
                 Ablation::Lights(how) => scene = Some(reload(how)?),
             }
         }

@@ -40,7 +40,8 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "auto")]
     backend: Vec<String>,
 
-    /// Ablations, separated by commas: each technique and backend once more with it. no-specialise, lights=power, lights=tree
+    /// Ablations, separated by commas: each technique and backend once more with it. no-specialise, lights=power, lights=tree,
+    /// sampler=sobol
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     ablate: Vec<String>,
 
