@@ -24,8 +24,10 @@ pub enum Bias {
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
-    /// The pixels of the image, each with a run of samples.
+    /// The pixels of the image, each with a run of samples; a part of them in each frame.
     Pixels,
+    /// All pixels, once they have all had their run of samples.
+    Image,
 }
 
 /// One dispatch of a technique's frame.
@@ -74,6 +76,12 @@ pub struct Integrator {
     pub bias: Bias,
     /// Segments after which Russian roulette may end a path, unless the scene or the command line says.
     pub rr_depth: u32,
+    /// Whether its samples reach pixels as splats: then its last pass is [`RESOLVE`].
+    pub splats: bool,
+    /// Whether it keeps the vertices of a light path for each sample.
+    pub light_vertices: bool,
+    /// What it cannot find, where that depends on the scene.
+    pub misses: Option<&'static str>,
     /// Whether it sees lights that no direction hits by chance: points, spots, parallel light.
     pub sees_delta_lights: bool,
     /// Its parameters.
@@ -81,6 +89,9 @@ pub struct Integrator {
 }
 
 const PIXELS: &[Pass] = &[Pass { name: "pixels", over: Over::Pixels }];
+
+/// The pass that adds splats to the film.
+const RESOLVE: Pass = Pass { name: "resolve", over: Over::Image };
 
 /// Every technique.
 pub const INTEGRATORS: &[Integrator] = &[
@@ -92,6 +103,9 @@ pub const INTEGRATORS: &[Integrator] = &[
         solves: Solves::Direct,
         bias: Bias::Unbiased,
         rr_depth: 5,
+        splats: false,
+        light_vertices: false,
+        misses: None,
         sees_delta_lights: true,
         parameters: &[Parameter {
             name: "sampling",
@@ -107,6 +121,9 @@ pub const INTEGRATORS: &[Integrator] = &[
         solves: Solves::Everything,
         bias: Bias::Unbiased,
         rr_depth: 1,
+        splats: false,
+        light_vertices: false,
+        misses: None,
         sees_delta_lights: false,
         parameters: &[
             Parameter {
@@ -130,6 +147,23 @@ pub const INTEGRATORS: &[Integrator] = &[
         solves: Solves::Everything,
         bias: Bias::Unbiased,
         rr_depth: 5,
+        splats: false,
+        light_vertices: false,
+        misses: None,
+        sees_delta_lights: true,
+        parameters: &[],
+    },
+    Integrator {
+        name: "light",
+        title: "light tracing",
+        file: "light.glsl",
+        passes: &[Pass { name: "paths", over: Over::Pixels }, RESOLVE],
+        solves: Solves::Everything,
+        bias: Bias::Unbiased,
+        rr_depth: 5,
+        splats: true,
+        light_vertices: false,
+        misses: Some("the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"),
         sees_delta_lights: true,
         parameters: &[],
     },

@@ -6,9 +6,6 @@
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
 
-// Segments after which even a path that has lost nothing may end: between perfect mirrors it would go on for ever.
-const uint ENDLESS = 4096u;
-
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
     bool found = path_trace(path, hit, e);

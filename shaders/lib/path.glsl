@@ -6,6 +6,9 @@
 #include "materials/bsdf.glsl"
 #include "lights/light.glsl"
 
+// Segments after which even a path that has lost nothing may end: between perfect mirrors it would go on for ever.
+const uint ENDLESS = 4096u;
+
 // A path from the camera, on its way from one vertex to the next.
 struct Path {
     Ray ray;

@@ -38,7 +38,7 @@ float background_pdf(vec3 direction) {
 LightSample background_sample(vec4 u) {
     if (!has_environment()) {
         float pdf_w = scene.background_probability / (4.0 * PI);
-        return LightSample(sample_sphere(u.zw), vec3(0.0), scene.background / pdf_w, pdf_w, false, true);
+        return LightSample(sample_sphere(u.zw), vec3(0.0), scene.background / pdf_w, pdf_w, false, true, 1.0 / disk_area());
     }
     uint count = scene.background_cells.x * scene.background_cells.y;
     uint cell = min(uint(u.x * float(count)), count - 1u);
@@ -47,5 +47,19 @@ LightSample background_sample(vec4 u) {
     vec2 uv = (vec2(cell % scene.background_cells.x, cell / scene.background_cells.x) + u.zw) / vec2(scene.background_cells);
     vec3 wi = background_direction(uv);
     float pdf_w = scene.background_probability * background_density(cell, uv);
-    return LightSample(wi, vec3(0.0), pdf_w > 0.0 ? background_radiance(wi) / pdf_w : vec3(0.0), pdf_w, false, true);
+    return LightSample(wi, vec3(0.0), pdf_w > 0.0 ? background_radiance(wi) / pdf_w : vec3(0.0), pdf_w, false, true,
+                       1.0 / disk_area());
+}
+
+// Light paths of the background start on a disk across the direction, as wide as the scene.
+EmittedRay background_emit(vec4 u, vec4 v) {
+    LightSample s = background_sample(u.x < scene.background_probability ? vec4(u.x / scene.background_probability, u.yzw) : u);
+    EmittedRay e = no_emission();
+    if (s.pdf_w <= 0.0) return e;
+    e.direction = -s.wi;
+    e.origin = disk_origin(e.direction, v.xy);
+    e.power = s.weight * disk_area();
+    e.d_vc = PI / s.pdf_w; // 1 / (pdf_w / area), in squares of the scene's radius
+    e.distant = true;
+    return e;
 }

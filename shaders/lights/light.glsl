@@ -11,9 +11,11 @@ struct LightSample {
     float pdf_w;  // over solid angle at the reference point, selection included
     bool delta;   // no direction hits this light by chance
     bool distant; // the light is infinitely far in the direction wi
+    float emitted; // density of a light path that begins with this segment (per area and solid angle), over pdf_w and the cosine at
+                   // the light: what paths from the light are weighed against
 };
 
-LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false); }
+LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false, 0.0); }
 
 // What the textures of a surface leave of its emission: what it lets through, it does not emit.
 vec3 emission_factor(Surface surface, vec2 uv) {
@@ -29,6 +31,7 @@ vec3 light_space(Light light, vec3 w) {
                 dot(w, vec3(f.at[i + 6u], f.at[i + 7u], f.at[i + 8u])));
 }
 
+#include "lights/emit.glsl"
 #include "lights/light_tree.glsl"
 #include "lights/triangle.glsl"
 #include "lights/sphere.glsl"
@@ -83,4 +86,49 @@ float light_pdf(Receiver r, Ray ray, Hit hit, Interaction at, Surface surface) {
         if (is_sphere(primitive)) return sphere_light_pdf(primitive.v0, primitive.v1.x, p, at, surface.light_density, ray.direction);
     }
     return triangle_light_pdf(primitive, p, at, surface.light_density, ray.direction);
+}
+
+// The beginning of a light path, of a light chosen by its power; position by u.zw, direction by v.xy.
+EmittedRay light_emit(vec4 u, vec4 v) {
+    if (HAS_BACKGROUND) {
+        if (u.x < scene.background_probability) return background_emit(u, v);
+        u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
+    }
+    uint count = light_count();
+    if (count == 0u) return no_emission();
+    uint index = min(uint(u.x * float(count)), count - 1u);
+    if (count > 1u && u.y >= load_light(index).emission_keep) index = load_light(index).emission_alias;
+    Light light = load_light(index);
+    EmittedRay e = no_emission();
+    if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) e = triangle_light_emit(light, u.zw, v.xy);
+    if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) e = sphere_light_emit(light, u.zw, v.xy);
+    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) e = point_light_emit(light, v.xy);
+    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) e = spot_light_emit(light, v.xy);
+    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) e = projector_light_emit(light, v.xy);
+    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) e = directional_light_emit(light, v.xy);
+    e.light = index;
+    return e;
+}
+
+// Density with which light_sample at the receiver would have picked the beginning of a light path that arrived there, over the
+// density of that beginning, for the cosine at the receiver: in squares of the scene's radius. `distance2` lies between them.
+float light_choice_ratio(EmittedRay e, Receiver r, float distance2) {
+    if (HAS_BACKGROUND && e.light == NONE) return PI;
+    Light light = load_light(e.light);
+    float selection = HAS_LIGHT_TREE && e.light >= scene.table_lights ? light_tree_probability(r, light.trail) : 1.0;
+    float unit = 1.0 / (scene.radius * scene.radius);
+    if (e.distant) return PI * selection * light.probability / light.emission_probability;
+    if (e.delta) return selection * light.probability * distance2 * unit / (light.emission_probability * e.pdf_w);
+    Interaction at;
+    at.position = e.position;
+    at.normal = e.normal;
+    vec3 wi = -e.direction;
+    float pdf_w = 0.0;
+    if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) pdf_w = sphere_light_pdf(light.position, light.v1.x, r.position, at, light.probability * selection, wi);
+    if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) {
+        float area = 0.5 * length(triangle_normal(light.position, light.v1, light.v2));
+        pdf_w = triangle_light_pdf(Primitive(light.position, light.v1, light.v2, 0u), r.position, at, light.probability * selection / area, wi);
+    }
+    // pdf_w cos / (pdf_a cos / pi)
+    return pdf_w * PI * unit / e.pdf_a;
 }

@@ -24,6 +24,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     bool lit;
     vec3 position;
     float margin = margin_on_sphere(light.position, radius);
+    float emitted = light.emission_probability / (4.0 * PI * PI * radius2);
     if (radius > 0.0) {
         float cone = sphere_cone(radius2, distance2);
         float one_minus_cos = u.x * cone;
@@ -40,7 +41,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
         lit = distance2 > radius2;
         if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
         return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
-                           lit ? pdf_w : 0.0, false, false);
+                           lit ? pdf_w : 0.0, false, false, lit ? emitted / pdf_w : 0.0);
     }
     outward = sample_sphere(u);
     position = light.position + abs(radius) * outward;
@@ -52,7 +53,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     lit = cos_light > 0.0 && d2 > 0.0;
     if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
     return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
-                       lit ? pdf_w : 0.0, false, false);
+                       lit ? pdf_w : 0.0, false, false, lit ? emitted / pdf_w : 0.0);
 }
 
 // Density of the above where a ray from p met the sphere; `probability` is that of selecting it.
@@ -64,4 +65,12 @@ float sphere_light_pdf(vec3 centre, float radius, vec3 p, Interaction at, float 
     }
     vec3 d = at.position - p;
     return probability * dot(d, d) / (4.0 * PI * radius2 * abs(dot(wi, at.normal)));
+}
+
+EmittedRay sphere_light_emit(Light light, vec2 u, vec2 v) {
+    float radius = light.v1.x;
+    vec3 outward = sample_sphere(u);
+    if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
+    vec3 position = light.position + abs(radius) * outward;
+    return surface_emit(light, position, margin_on_sphere(light.position, radius), radius < 0.0 ? -outward : outward, 4.0 * PI * radius * radius, v);
 }

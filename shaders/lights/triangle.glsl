@@ -1,6 +1,13 @@
 // A triangle that emits from its front, sampled uniformly over its area, or over its solid angle where that is large.
 #include "lights/spherical_triangle.glsl"
 
+// What textures leave of the radiance at a point of the triangle.
+vec3 triangle_light_factor(Light light, vec2 b) {
+    Vectors2 uvs = Vectors2(scene.uvs);
+    vec2 uv = light.corners.x == NONE ? b : (1.0 - b.x - b.y) * uvs.at[light.corners.x] + b.x * uvs.at[light.corners.y] + b.y * uvs.at[light.corners.z];
+    return emission_factor(load_surface(light.source), uv);
+}
+
 LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {
     vec3 v0 = light.position, v1 = light.v1, v2 = light.v2;
     vec3 scaled_normal = triangle_normal(v0, v1, v2);
@@ -17,13 +24,9 @@ LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {
     // area to solid angle: pdf_w = pdf_a d^2 / cos (Veach 1997, section 8.2.2.2)
     float pdf_w = light.probability * (by_area ? distance2 / (0.5 * area2 * cos_light) : 1.0 / solid_angle);
     bool lit = cos_light > 0.0 && distance2 > 0.0;
-    if (HAS_TEXTURED_LIGHTS) {
-        Vectors2 uvs = Vectors2(scene.uvs);
-        vec2 uv = light.corners.x == NONE ? b : (1.0 - b.x - b.y) * uvs.at[light.corners.x] + b.x * uvs.at[light.corners.y] + b.y * uvs.at[light.corners.z];
-        light.radiance *= emission_factor(load_surface(light.source), uv);
-    }
+    if (HAS_TEXTURED_LIGHTS) light.radiance *= triangle_light_factor(light, b);
     return LightSample(wi, offset_origin(position, margin_on_triangle(normal, v0, v1, v2, position), normal, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
-                       lit ? pdf_w : 0.0, false, false);
+                       lit ? pdf_w : 0.0, false, false, lit ? light.emission_probability / (0.5 * area2 * PI * pdf_w) : 0.0);
 }
 
 // Density of the above where a ray from p met the emitting triangle `t`; density_a is per area, selection included.
@@ -35,4 +38,15 @@ float triangle_light_pdf(Primitive t, vec3 p, Interaction at, float density_a, v
     }
     vec3 d = at.position - p;
     return density_a * dot(d, d) / abs(dot(wi, at.normal));
+}
+
+EmittedRay triangle_light_emit(Light light, vec2 u, vec2 v) {
+    vec3 v0 = light.position, v1 = light.v1, v2 = light.v2;
+    vec3 scaled_normal = triangle_normal(v0, v1, v2);
+    float area2 = length(scaled_normal);
+    vec2 b = sample_triangle(u);
+    if (HAS_TEXTURED_LIGHTS) light.radiance *= triangle_light_factor(light, b);
+    vec3 position = triangle_point(v0, v1, v2, b);
+    vec3 normal = scaled_normal / area2;
+    return surface_emit(light, position, margin_on_triangle(normal, v0, v1, v2, position), normal, 0.5 * area2, v);
 }

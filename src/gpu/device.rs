@@ -36,6 +36,8 @@ pub struct Limits {
     pub max_allocation: u64,
     /// Bytes of the largest buffer.
     pub max_buffer: u64,
+    /// Whether shaders can add to 64-bit integers in buffers atomically (`shaderBufferInt64Atomics`).
+    pub int64_atomics: bool,
 }
 
 pub(super) struct GpuShared {
@@ -106,8 +108,11 @@ impl Gpu {
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
         let features = vk::PhysicalDeviceFeatures::default().shader_int64(true);
-        let mut vulkan12 =
-            vk::PhysicalDeviceVulkan12Features::default().buffer_device_address(true).scalar_block_layout(true);
+        let limits = Limits::read(raw_instance, survey.raw, ray_query, has_timestamps);
+        let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default()
+            .buffer_device_address(true)
+            .scalar_block_layout(true)
+            .shader_buffer_int64_atomics(limits.int64_atomics);
         let mut vulkan13 = vk::PhysicalDeviceVulkan13Features::default().synchronization2(true).maintenance4(true);
         let mut acceleration =
             vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
@@ -137,7 +142,6 @@ impl Gpu {
         .map_err(|error| Error::Device(format!("no allocator for {}: {error}", survey.name)))?;
         // SAFETY: the family has one queue at least, and that one was created with the device.
         let queue = unsafe { raw.get_device_queue(family, 0) };
-        let limits = Limits::read(raw_instance, survey.raw, ray_query, has_timestamps);
         let submission = Submission::new(&raw, queue, family).map_err(failed("create the command buffer"))?;
         let gpu = Self {
             shared: Arc::new(GpuShared {
@@ -280,7 +284,12 @@ impl Limits {
         // SAFETY: the device belongs to the live instance and has what the chained structures are part of.
         unsafe { instance.get_physical_device_properties2(device, &mut properties) };
         let limits = properties.properties.limits;
+        let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
+        // SAFETY: as above.
+        unsafe { instance.get_physical_device_features2(device, &mut features) };
         Self {
+            int64_atomics: vulkan12.shader_buffer_int64_atomics == vk::TRUE,
             max_workgroups: limits.max_compute_work_group_count[0],
             timestamp_period: if has_timestamps { f64::from(limits.timestamp_period) } else { 0.0 },
             scratch_alignment: u64::from(acceleration.min_acceleration_structure_scratch_offset_alignment).max(1),

@@ -147,6 +147,9 @@ shared_constants! {
     pub const WORKGROUP = 64;
     /// Cells that the pixel filter's table divides it into.
     pub const FILTER_CELLS = 64;
+    /// Longest path, in segments, that is made of a part from the light and one from the camera; longer ones come from the camera
+    /// alone, so that the vertices of a light path have bounded room.
+    pub const BIDIRECTIONAL_LENGTH = 16;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;
     /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.

@@ -1,6 +1,6 @@
 //! What a dispatch is given and what it leaves: push constants, the film, and the records of the kernels that tests run.
 
-use super::{Member, SharedStruct, float, uint, uvec2, vec3, vec4};
+use super::{Member, SharedStruct, float, uint, uvec2, vec2, vec3, vec4};
 #[allow(unused_imports)] // named by the documentation
 use super::{constants::*, scene_structs::*};
 
@@ -13,6 +13,14 @@ shared_structs! {
         lengths: uvec2,
         /// Device address of the one [`Tally`].
         tally: uvec2,
+        /// Device address of the splats: for each sample of this dispatch, pixel and layer three 64-bit integers in units of
+        /// [`SceneUniforms::splat_unit`]; layers are those by path length, or the one that is the image.
+        splats: uvec2,
+        /// Device address of the light paths: for each slot and sample of this dispatch the number of its vertices, then for each
+        /// of them room for as many [`LightVertex`] as `light_vertices` says.
+        light_paths: uvec2,
+        /// Vertices that a light path has room for.
+        light_vertices: uint,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
         /// Slots of this dispatch.
@@ -39,6 +47,30 @@ shared_structs! {
         squares: vec3,
         /// Its low part.
         squares_low: vec3,
+    }
+
+    /// A vertex of a light path, for paths from the camera to be connected to it.
+    pub struct LightVertex {
+        /// Its position.
+        position: vec3,
+        /// Unit direction in which light came.
+        direction: vec3,
+        /// Primitive that was hit.
+        primitive: uint,
+        /// Its instance.
+        instance: uint,
+        /// Barycentric weights of its second and third vertex.
+        uv: vec2,
+        /// Power that arrives there, W, over the density of the path.
+        power: vec3,
+        /// Partial sums of multiple importance sampling, see `shaders/lib/bidirectional.glsl`.
+        d_vcm: float,
+        /// The same.
+        d_vc: float,
+        /// Random dimension with which its material was chosen.
+        dimension: uint,
+        /// Absorption of the medium that light came through, 1/m.
+        absorption: vec3,
     }
 
     /// A sample that was not finite: where it was.

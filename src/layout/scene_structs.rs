@@ -42,6 +42,8 @@ shared_structs! {
         light_density: float,
         /// The way through the light tree to this light: the lowest bit is the turn at the root.
         light_trail: uint,
+        /// Density with which light paths begin at a point of it, per area (1/m²).
+        emission_density: float,
         /// Texture that multiplies the emission, or [`NONE`].
         emission_texture: uint,
         /// Share of light that the surface stops; the rest passes straight through, whatever the material.
@@ -259,6 +261,14 @@ shared_structs! {
         /// Triangle with a texture: the vertices' texture coordinates in the vertex attributes. Spot, projector: the
         /// light's frame, three floats each, in the float tables.
         corners: uvec3,
+        /// The way through the light tree to this light, as [`Surface::light_trail`] has it.
+        trail: uint,
+        /// Probability that a light path begins at this light, in proportion to its power.
+        emission_probability: float,
+        /// Alias table over all lights: probability of keeping this entry once it is drawn ...
+        emission_keep: float,
+        /// ... and the entry to take instead.
+        emission_alias: uint,
     }
 
     /// A node of the light tree: bounds on the lights below it, in coordinates that the root's radius makes one.
@@ -387,6 +397,12 @@ shared_structs! {
         light_tree_scale: float,
         /// Device address of the [`Instance`]s.
         instances: uvec2,
+        /// Centre of a sphere around everything that is placed.
+        centre: vec3,
+        /// Its radius.
+        radius: float,
+        /// Value of one unit of the splats' fixed-point numbers.
+        splat_unit: float,
         /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).
         filter_parameters: vec2,
         /// One over the filter's integral.

@@ -18,6 +18,19 @@ pub(super) struct Frame {
     pub samples: u32,
 }
 
+/// What bounds frames besides time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// Slots of a dispatch.
+    pub slots: u32,
+    /// Samples of each slot.
+    pub samples: u32,
+    /// Pixel samples of a frame.
+    pub paths: u64,
+    /// Samples count only once all slots have them.
+    pub whole_passes: bool,
+}
+
 /// How far a rendering is, and how large its next frame is. A pass gives all slots the same number of samples; a slow
 /// device takes several frames over one pass, a fast one several samples per pass.
 #[derive(Clone, Debug)]
@@ -25,7 +38,7 @@ pub(super) struct FramePlan {
     width: u32,
     height: u32,
     slots: u32,
-    max_slots: u32,
+    room: Room,
     /// Samples that all slots have.
     done: u32,
     /// Slots that have the current pass already, and the samples of that pass.
@@ -35,11 +48,15 @@ pub(super) struct FramePlan {
     capacity: u64,
 }
 
+/// Slots of an image: its pixels in whole tiles.
+pub(super) fn slots(width: u32, height: u32) -> u32 {
+    width.div_ceil(8) * height.div_ceil(8) * 64
+}
+
 impl FramePlan {
-    pub fn new(width: u32, height: u32, max_workgroups: u32) -> Self {
-        let slots = width.div_ceil(8) * height.div_ceil(8) * 64;
-        let max_slots = max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP);
-        Self { width, height, slots, max_slots, done: 0, cursor: 0, pass: 0, capacity: FIRST }
+    pub fn new(width: u32, height: u32, room: Room) -> Self {
+        let slots = slots(width, height);
+        Self { width, height, slots, room, done: 0, cursor: 0, pass: 0, capacity: FIRST }
     }
 
     /// The same plan at its beginning; what it knows of the speed stays.
@@ -52,14 +69,17 @@ impl FramePlan {
         if self.cursor == 0 && self.done >= target {
             return None;
         }
+        let capacity = self.capacity.min(self.room.paths);
         let samples = if self.cursor > 0 {
             self.pass
         } else {
-            let fit = (self.capacity / u64::from(self.slots)).max(1);
-            u32::try_from(fit).unwrap_or(u32::MAX).min(target - self.done)
+            let fit = (capacity / u64::from(self.slots)).max(1);
+            u32::try_from(fit).unwrap_or(u32::MAX).min(self.room.samples).min(target - self.done)
         };
-        let fit = (self.capacity / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
-        let slots = u32::try_from(fit).unwrap_or(u32::MAX).min(self.max_slots).min(self.slots - self.cursor);
+        // Whole workgroups; as many as there is room for, and one at least.
+        let wanted = (capacity / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
+        let fit = wanted.min(self.room.paths / u64::from(samples) / u64::from(WORKGROUP) * u64::from(WORKGROUP));
+        let slots = u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.room.slots).min(self.slots - self.cursor);
         Some(Frame { first_slot: self.cursor, slots, first_sample: self.done, samples })
     }
 
@@ -78,6 +98,15 @@ impl FramePlan {
         }
     }
 
+    pub fn room(&self) -> Room {
+        self.room
+    }
+
+    /// Whether this frame ends a pass: all slots have its samples then.
+    pub fn ends_pass(&self, frame: Frame) -> bool {
+        frame.first_slot + frame.slots >= self.slots
+    }
+
     pub fn spp(&self) -> u32 {
         self.done
     }
@@ -89,6 +118,9 @@ impl FramePlan {
     /// Samples of each pixel, row by row.
     pub fn counts(&self) -> Vec<u64> {
         let tiles_across = self.width.div_ceil(8);
+        if self.room.whole_passes {
+            return vec![u64::from(self.done); self.width as usize * self.height as usize];
+        }
         let count = |x: u32, y: u32| {
             let slot = (y / 8 * tiles_across + x / 8) * 64 + y % 8 * 8 + x % 8;
             u64::from(self.done) + if slot < self.cursor { u64::from(self.pass) } else { 0 }
@@ -101,11 +133,13 @@ impl FramePlan {
 mod tests {
     use super::*;
 
+    const FREE: Room = Room { slots: 1 << 22, samples: u32::MAX, paths: u64::MAX, whole_passes: false };
+
     /// Whatever the speed, every slot gets every sample exactly once and in order.
     #[test]
     fn every_sample_is_taken_once() {
         for microseconds in [1, 900, 130_000, 7_000_000] {
-            let mut plan = FramePlan::new(37, 21, 1 << 16);
+            let mut plan = FramePlan::new(37, 21, FREE);
             let slots = plan.slots as usize;
             let mut next_sample = vec![0; slots];
             while let Some(frame) = plan.next(50) {
@@ -120,9 +154,26 @@ mod tests {
         }
     }
 
+    /// No frame has more than there is room for, and what is not whole does not count.
+    #[test]
+    fn frames_keep_to_their_room() {
+        let room = Room { slots: 256, samples: 3, paths: 640, whole_passes: true };
+        let mut plan = FramePlan::new(24, 24, room);
+        let (mut passes, mut taken) = (0, 0);
+        while let Some(frame) = plan.next(7) {
+            assert!(frame.slots <= 256 && frame.samples <= 3 && frame.slots * frame.samples <= 640, "{frame:?}");
+            taken += frame.slots * frame.samples;
+            passes += u32::from(plan.ends_pass(frame));
+            plan.done(frame, Duration::from_micros(1));
+            assert_eq!(plan.counts(), vec![u64::from(plan.done); 24 * 24]);
+        }
+        assert_eq!((taken, plan.spp()), (7 * 576, 7));
+        assert!(passes >= 3);
+    }
+
     #[test]
     fn counts_tell_an_unfinished_pass() {
-        let mut plan = FramePlan::new(16, 8, 1 << 16);
+        let mut plan = FramePlan::new(16, 8, FREE);
         plan.capacity = 64;
         let frame = plan.next(1).unwrap();
         assert_eq!((frame.slots, frame.samples), (64, 1));

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::scratch::ScratchSize;
 use super::settings::Settings;
 use super::upload::most_in_part;
 use crate::backend::Backend;
@@ -230,6 +231,9 @@ impl Table {
         // A buffer of nothing takes four bytes.
         self.add("film by path length", (pixels * u64::from(settings.lengths) * LAYER_PIXEL_BYTES).max(4), true);
         self.add("tally", TALLY_BYTES, true);
+        let scratch = ScratchSize::of(settings);
+        self.add("splats", scratch.splat_bytes.max(4), true);
+        self.add("light paths", scratch.light_path_bytes.max(4), true);
     }
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {

@@ -8,6 +8,7 @@ mod frames;
 mod kernel;
 mod memory;
 mod probe;
+mod scratch;
 mod settings;
 mod target;
 mod upload;
@@ -22,10 +23,12 @@ pub use settings::{Settings, Technique};
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film};
 use crate::gpu::{Buffer, Gpu};
+use crate::integrator::Over;
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
-use frames::FramePlan;
+use frames::{Frame, FramePlan};
 use kernel::Kernel;
+use scratch::Scratch;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
@@ -46,11 +49,16 @@ pub struct Seconds {
     pub device: f64,
 }
 
+/// A frame without work.
+const NOTHING: Frame = Frame { first_slot: 0, slots: 0, first_sample: 0, samples: 0 };
+
 /// One scene, technique and backend on one device.
 pub struct Renderer {
     gpu: Gpu,
     settings: Settings,
-    kernel: Kernel,
+    /// The row's passes in order; the first one's scene is that of all.
+    passes: Vec<(Over, Kernel)>,
+    scratch: Scratch,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -71,9 +79,19 @@ impl Renderer {
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         settings.check(gpu)?;
         memory::check(gpu, scene, settings)?;
-        let name = format!("{}.pixels.{}", settings.technique.row.name, settings.backend.name());
-        let kernel = Kernel::new(gpu, scene, settings, &name, watch)?;
+        let row = settings.technique.row;
+        let mut passes: Vec<(Over, Kernel)> = Vec::new();
+        for pass in row.passes {
+            let name = format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
+            let kernel = match passes.first() {
+                None => Kernel::new(gpu, scene, settings, &name, watch)?,
+                Some((_, first)) => first.sibling(gpu, scene, settings, &name)?,
+            };
+            passes.push((pass.over, kernel));
+        }
+        let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
+        let scratch = Scratch::new(gpu, settings)?;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -85,15 +103,16 @@ impl Renderer {
                 pixels * u64::from(settings.lengths) * LAYER_PIXEL_BYTES,
             )?,
             tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
-            plan: FramePlan::new(settings.width, settings.height, gpu.limits().max_workgroups),
-            seconds: Seconds { build: kernel.build_seconds, ..Seconds::default() },
-            kernel,
+            plan: FramePlan::new(settings.width, settings.height, scratch.size.room(gpu.limits().max_workgroups)),
+            seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
+            passes,
+            scratch,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
-        renderer.dispatch(0, 0, 0, 0)?;
-        renderer.seconds.compile = renderer.kernel.compile_seconds + started.elapsed().as_secs_f64();
+        renderer.dispatch(NOTHING, true)?;
+        renderer.seconds.compile = compile_seconds + started.elapsed().as_secs_f64();
         Ok(renderer)
     }
 
@@ -101,7 +120,7 @@ impl Renderer {
     pub fn advance(&mut self, target: u32) -> Result<bool> {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
         let started = Instant::now();
-        let device = self.dispatch(frame.first_slot, frame.slots, frame.first_sample, frame.samples)?;
+        let device = self.dispatch(frame, self.plan.ends_pass(frame))?;
         let wall = started.elapsed();
         self.plan.done(frame, wall);
         self.seconds.render += wall.as_secs_f64();
@@ -114,6 +133,7 @@ impl Renderer {
         self.settings.seed = seed;
         self.film.clear()?;
         self.layers.clear()?;
+        self.scratch.splats.clear()?;
         self.plan = self.plan.restarted();
         (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         (self.rays, self.nonfinite) = (0, 0);
@@ -125,8 +145,10 @@ impl Renderer {
     /// of kernels with the same bytes, one in twenty ran up to 1.7 times slower than the others, for as long as it lived
     /// (docs/lavapipe.md). Whoever compares speeds does this before each run, which makes it noise of that run.
     pub fn remake_kernel(&mut self) -> Result<()> {
-        self.kernel.remake(&self.gpu)?;
-        self.dispatch(0, 0, 0, 0).map(drop)
+        for (_, kernel) in &mut self.passes {
+            kernel.remake(&self.gpu)?;
+        }
+        self.dispatch(NOTHING, true).map(drop)
     }
 
     /// Samples that every pixel has.
@@ -151,7 +173,7 @@ impl Renderer {
 
     /// What was uploaded.
     pub fn scene(&self) -> &Uploaded {
-        &self.kernel.scene
+        &self.passes[0].1.scene
     }
 
     /// What it renders with.
@@ -172,29 +194,52 @@ impl Renderer {
         Ok(film)
     }
 
-    /// Runs a part of the image and takes in what it counted; the time is the device's.
-    fn dispatch(&mut self, first_slot: u32, slots: u32, first_sample: u32, samples: u32) -> Result<Duration> {
+    /// Runs a part of the image, and where it ends a pass what runs over all of it; takes in what was counted. The time is the
+    /// device's.
+    fn dispatch(&mut self, frame: Frame, ends_pass: bool) -> Result<Duration> {
         let constants = FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
             tally: address(self.tally.address()),
-            first_slot,
-            slot_count: slots,
-            first_sample,
-            sample_count: samples,
+            splats: address(self.scratch.splats.address()),
+            light_paths: address(self.scratch.light_paths.address()),
+            light_vertices: self.scratch.size.vertices,
+            first_slot: frame.first_slot,
+            slot_count: frame.slots,
+            first_sample: frame.first_sample,
+            sample_count: frame.samples,
             width: self.settings.width,
             height: self.settings.height,
             seed: self.settings.seed,
         };
-        let workgroups = slots.div_ceil(WORKGROUP).max(1);
-        let pass = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
+        let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
+        let Frame { first_slot, slots, first_sample, samples } = frame;
         let work =
             format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
-        let (kernel, tally) = (&self.kernel, &self.tally);
-        let took = self.gpu.run(&pass, &work, |commands| {
+        let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
+        // A frame of nothing makes CPU devices compile.
+        let all = if samples > 0 { frames::slots(self.settings.width, self.settings.height) } else { 0 };
+        let took = self.gpu.run(&name, &work, |commands| {
             commands.clear(tally);
-            commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
-            commands.barrier();
+            for (over, kernel) in passes {
+                let (first, count) = match over {
+                    Over::Pixels => (first_slot, slots),
+                    Over::Image if ends_pass => (0, all),
+                    Over::Image => continue,
+                };
+                let mut start = first;
+                loop {
+                    let part = (first + count - start).min(room);
+                    let constants = FrameConstants { first_slot: start, slot_count: part, ..constants };
+                    let workgroups = part.div_ceil(WORKGROUP).max(1);
+                    commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
+                    start += part;
+                    if start >= first + count {
+                        break;
+                    }
+                }
+                commands.barrier();
+            }
         })?;
         let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;
         let (bad, rays) = counted.split_at((1 + 2 * BAD_SAMPLES) as usize);

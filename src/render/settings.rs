@@ -181,6 +181,16 @@ impl Settings {
                 self.width, self.height
             ));
         }
+        let row = self.technique.row;
+        if row.splats && !gpu.limits().int64_atomics {
+            let others = INTEGRATORS.iter().filter(|row| !row.splats).map(|row| row.name);
+            return bad(format!(
+                "{} needs the feature shaderBufferInt64Atomics, which {} lacks; valid there are {}",
+                row.name,
+                gpu.survey().name,
+                one_of(others)
+            ));
+        }
         if self.lengths > 64 {
             return bad(format!("{} layers by path length: 64 is the most", self.lengths));
         }

@@ -1,5 +1,6 @@
 //! A scene on the device: its arrays, its acceleration structure, its uniforms.
 
+use std::f64::consts::PI;
 use std::time::Instant;
 
 use glam::{DAffine3, Vec3};
@@ -13,9 +14,10 @@ use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    self, INLINE_MAX, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
+    self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
     UNIFORM_SURFACES, address,
 };
+use crate::scene::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
 
 /// Pixel samples from which on it pays to compile a tiny scene's triangles into the kernel.
@@ -153,6 +155,9 @@ impl Uploaded {
             light_tree_origin: scene.light_tree.origin.into(),
             light_tree_scale: scene.light_tree.scale,
             instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
+            centre: (0.5 * (scene.bounds.min + scene.bounds.max)).into(),
+            radius: scene.radius() * SPHERE_MARGIN,
+            splat_unit: splat_unit(scene),
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,
             filter_table: upload("pixel filter", bytemuck::cast_slice(&filter_table))?,
@@ -211,6 +216,25 @@ impl Uploaded {
     pub fn instance_order(&self) -> &[u32] {
         &self.instance_order
     }
+}
+
+/// The sphere around a scene is wider than it by this factor, so that no rounding puts a point outside.
+const SPHERE_MARGIN: f32 = 1.0001;
+/// Units of a splat in the radiance of a scene that is lit evenly: far below what any path brings, and sums stay far below 2^63.
+const SPLAT_UNITS: f64 = (1u64 << 33) as f64;
+/// The most that an emitter's radiance is above that, for the purpose of the unit: with it a sum has room for 2^14 of it.
+const BRIGHTEST: f64 = 65536.0;
+
+/// The value of one unit of the splats' fixed-point numbers, W/(m² sr).
+fn splat_unit(scene: &Scene) -> f32 {
+    let radius = f64::from(scene.radius());
+    let flux: f64 = scene.lights.iter().map(|light| power(light, radius)).sum();
+    let background = scene.background.map_or(0.0, |rgb| importance(rgb.map(f64::from)));
+    let even = flux / (PI * radius).powi(2) + background;
+    let area = |light: &&layout::Light| matches!(light.kind, LIGHT_TRIANGLE | LIGHT_SPHERE);
+    let brightest = scene.lights.iter().filter(area).flat_map(|light| light.radiance).fold(0.0, f32::max);
+    let scale = even.max(f64::from(brightest) / BRIGHTEST);
+    if scale > 0.0 { (scale / SPLAT_UNITS) as f32 } else { 1.0 }
 }
 
 /// Appends a table with room for `count` entries, with what fits of `entries`.

@@ -101,6 +101,7 @@ impl Flat {
                     emission: description.emission.map(|channel| channel as f32),
                     light_density: 0.0,
                     light_trail: 0,
+                    emission_density: 0.0,
                     emission_texture: description.emission_texture.unwrap_or(NONE),
                     opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
                     opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),

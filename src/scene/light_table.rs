@@ -1,6 +1,8 @@
 //! How lights are selected: from an alias table in proportion to their power, or from a tree by what they can bring to the
 //! point.
 
+use std::f64::consts::PI;
+
 use super::alias::alias_table;
 use super::flatten::Emitter;
 use super::light::{power, triangle_area};
@@ -118,6 +120,11 @@ pub(super) fn arrange(
     for light in &mut lights[in_table..] {
         light.probability = to_tree; // times what the tree says at a point
     }
+    for (index, (light, (keep, alias))) in lights.iter_mut().zip(alias_table(&weights)).enumerate() {
+        light.emission_probability = (weights[index] / total * any) as f32;
+        (light.emission_keep, light.emission_alias) = (keep, alias);
+        light.trail = index.checked_sub(in_table).map_or(0, |leaf| trails[leaf]);
+    }
     for (index, candidate) in candidates.iter().enumerate() {
         let Some((mut surface, primitive)) = candidate.of else { continue };
         if index >= in_table {
@@ -126,11 +133,14 @@ pub(super) fn arrange(
             surfaces[surface].light_trail = trails[index - in_table];
         }
         let light = &lights[index];
-        surfaces[surface].light_density = if light.kind == LIGHT_SPHERE {
-            light.probability
+        let (density, area) = if light.kind == LIGHT_SPHERE {
+            (light.probability, 4.0 * PI * f64::from(light.v1[0]).powi(2))
         } else {
-            (f64::from(light.probability) / triangle_area(light)) as f32
+            let area = triangle_area(light);
+            ((f64::from(light.probability) / area) as f32, area)
         };
+        surfaces[surface].light_density = density;
+        surfaces[surface].emission_density = (f64::from(light.emission_probability) / area) as f32;
     }
     LightTable { lights, in_table: in_table as u32, table_probability, tree, background_probability }
 }

@@ -210,6 +210,12 @@ impl Scene {
         })
     }
 
+    /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.
+    pub fn radius(&self) -> f32 {
+        let radius = 0.5 * (self.bounds.max - self.bounds.min).length();
+        if radius > 0.0 { radius } else { 1.0 }
+    }
+
     /// The box of one group, in its own space.
     pub fn group_bounds(&self, group: &Group) -> Bounds {
         self.primitives[group.primitives()].iter().map(primitive_bounds).fold(Bounds::EMPTY, Bounds::union)

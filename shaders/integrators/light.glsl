@@ -1,0 +1,78 @@
+// `light`: light tracing. Paths from the lights; each of their vertices is shown to the camera (Arvo 1986; Dutre, Lafortune and
+// Willems 1993). What reaches the camera by way of a mirror or glass has no vertex that a camera without extent could see: it is missing.
+#version 460
+#include "lib/prelude.glsl"
+#include "trace/backend.glsl"
+#include "lib/splat.glsl"
+
+#ifdef PASS_RESOLVE
+#include "lib/resolve_main.glsl"
+#else
+#include "lib/light_path.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+// The image has as many light paths in each sample as pixels.
+float light_path_count() { return float(frame.width) * float(frame.height); }
+
+// Shows the light itself to the camera: a path of one segment.
+void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
+    if (e.delta || e.distant) return;
+    vec4 u = next4(path.random);
+    CameraView view = camera_view(e.position, u.xy);
+    float cosine = dot(view.direction, e.normal);
+    if (!view.visible || cosine <= 0.0) return;
+    vec3 origin = offset_origin(e.position, distance(e.origin, e.position), e.normal, view.direction);
+    float reach = distance(view.target, origin);
+    Ray ray = Ray(origin, (view.target - origin) / reach, reach * (1.0 - gamma(8.0)));
+    // power = L pi / pdf_a
+    vec3 value = e.power * (INV_PI * cosine * view.importance / (view.distance2 * light_path_count()));
+    splat_at(view.position, pixel.sample_index, 1u, value * trace_transmittance(ray, rays), u.zw);
+}
+
+// Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.
+bool light_path_extend(Pixel pixel, inout Path path, vec3 power, inout uint rays) {
+    Hit hit;
+    if (!trace_visible(path.ray, hit, path.random, rays)) return false;
+    Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
+    if (v.material == NONE) return false;
+    Bsdf b = vertex_material(v, path.ray, path.random);
+    uint length = path.depth + 2u; // segments with the one to the camera
+
+    vec4 u = next4(path.random);
+    vec4 bsdf_u = next4(path.random);
+    if (!bsdf_is_delta(b)) {
+        CameraView view = camera_view(v.at.position, u.xy);
+        vec3 local = vertex_to_local(v, view.direction);
+        vec3 value = power * path.throughput * light_vertex_eval(v, b, path.ray, local, view.direction);
+        value *= view.importance / (view.distance2 * light_path_count());
+        if (view.visible && value != vec3(0.0)) {
+            value *= segment_transmittance(vertex_camera_ray(v, view), vertex_absorption(v, b, path.absorption, local), rays);
+            splat_at(view.position, pixel.sample_index, length, value, u.zw);
+        }
+    }
+    if (length >= MAX_DEPTH) return false;
+    path_scatter(path, v, b, light_vertex_sample(v, b, path.ray, bsdf_u.xyz));
+    return light_path_survives(path, bsdf_u.w);
+}
+
+void main() {
+    if (gl_GlobalInvocationID.x >= frame.slot_count) return;
+    Pixel pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
+    if (!pixel.inside) return;
+    uint rays = 0u;
+    Path path;
+    EmittedRay emitted;
+    bool alive = false;
+    while (alive || pixel_has_sample(pixel)) {
+        if (!alive) {
+            path = light_path_begin(pixel.index, pixel.sample_index, emitted);
+            if (MAX_DEPTH > 0u) show_light(pixel, path, emitted, rays);
+        }
+        alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0) && light_path_extend(pixel, path, emitted.power, rays);
+        if (!alive) pixel.sample_index += 1u;
+    }
+    atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.x % RAY_COUNTERS], rays);
+}
+#endif

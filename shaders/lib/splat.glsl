@@ -1,0 +1,46 @@
+// Contributions to any pixel from anywhere: 64-bit fixed-point sums, whose value does not depend on their order. One plane for each
+// sample of a dispatch; the pass `resolve` adds the planes to the film.
+#extension GL_EXT_shader_atomic_int64 : require
+#include "lib/film.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
+
+// Beyond this many units a splat counts as not finite: a sum of 64 of them fits into 64 bits.
+const float LARGEST_SPLAT = 1.44e17; // 2^57
+
+uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
+
+Splat splat_of(uint pixel, uint sample_index, uint layer) {
+    uint64_t plane = uint64_t(sample_index - frame.first_sample);
+    uint64_t index = (plane * uint64_t(frame.width * frame.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
+    return Splat(unpack32(pack64(frame.splats) + 24ul * index));
+}
+
+// Counts and locates something that is not finite and is dropped.
+void report_bad_sample(uint pixel, uint sample_index) {
+    Tallies tallies = Tallies(frame.tally);
+    uint n = atomicAdd(tallies.tally.bad_samples, 1u);
+    if (n < BAD_SAMPLES) tallies.bad[n] = BadSample(pixel, sample_index);
+}
+
+// Adds what a path of `length` segments brings to a pixel in this sample.
+void splat(uint pixel, uint sample_index, uint length, vec3 value) {
+    vec3 units = value / scene.splat_unit;
+    if (!all(lessThan(abs(units), vec3(LARGEST_SPLAT)))) {
+        report_bad_sample(pixel, sample_index);
+        return;
+    }
+    Splat sums = splat_of(pixel, sample_index, LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u);
+    [[unroll]] for (uint i = 0u; i < 3u; i++) {
+        int64_t amount = int64_t(round(units[i]));
+        if (amount != 0l) atomicAdd(sums.channel[i], amount);
+    }
+}
+
+// Splats at a position in the image, through the pixel filter; what falls beside the image is lost, as it is for the camera.
+void splat_at(vec2 position, uint sample_index, uint length, vec3 value, vec2 u) {
+    float weight = 1.0;
+    int x = filter_pixel(position.x, u.x, weight), y = filter_pixel(position.y, u.y, weight);
+    if (x < 0 || y < 0 || x >= int(frame.width) || y >= int(frame.height)) return;
+    splat(uint(y) * frame.width + uint(x), sample_index, length, value * weight);
+}
