@@ -167,6 +167,28 @@ pub const INTEGRATORS: &[Integrator] = &[
         sees_delta_lights: true,
         parameters: &[],
     },
+    Integrator {
+        name: "bdpt",
+        title: "bidirectional path tracing",
+        file: "bdpt.glsl",
+        passes: &[
+            Pass { name: "light", over: Over::Pixels },
+            Pass { name: "camera", over: Over::Pixels },
+            RESOLVE,
+        ],
+        solves: Solves::Everything,
+        bias: Bias::Unbiased,
+        rr_depth: 5,
+        splats: true,
+        light_vertices: true,
+        misses: None,
+        sees_delta_lights: true,
+        parameters: &[Parameter {
+            name: "weights",
+            about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
+            values: Values::Choice(&["power", "balance", "none"]),
+        }],
+    },
 ];
 
 /// The row of that name.

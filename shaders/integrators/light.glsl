@@ -12,9 +12,6 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-// The image has as many light paths in each sample as pixels.
-float light_path_count() { return float(frame.width) * float(frame.height); }
-
 // Shows the light itself to the camera: a path of one segment.
 void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     if (e.delta || e.distant) return;

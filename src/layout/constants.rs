@@ -150,6 +150,8 @@ shared_constants! {
     /// Longest path, in segments, that is made of a part from the light and one from the camera; longer ones come from the camera
     /// alone, so that the vertices of a light path have bounded room.
     pub const BIDIRECTIONAL_LENGTH = 16;
+    /// Bytes of one [`super::LightVertex`].
+    pub const LIGHT_VERTEX_BYTES = 80;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;
     /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.

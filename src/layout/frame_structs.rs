@@ -69,6 +69,8 @@ shared_structs! {
         d_vc: float,
         /// Random dimension with which its material was chosen.
         dimension: uint,
+        /// Segments from the light to it.
+        segments: uint,
         /// Absorption of the medium that light came through, 1/m.
         absorption: vec3,
     }

@@ -5,7 +5,7 @@ use super::frames::{Room, slots};
 use super::settings::Settings;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{BIDIRECTIONAL_LENGTH, LightVertex, WORKGROUP};
+use crate::layout::{BIDIRECTIONAL_LENGTH, LIGHT_VERTEX_BYTES, LightVertex, WORKGROUP};
 
 /// Bytes of splats that more than one sample per frame may take.
 const SPLAT_BYTES: u64 = 64 << 20;
@@ -15,6 +15,8 @@ const LIGHT_PATH_BYTES: u64 = 256 << 20;
 const MOST_PLANES: u64 = 64;
 /// Bytes of one pixel of one layer of a plane: three 64-bit integers.
 const SPLAT_PIXEL_BYTES: u64 = 24;
+
+const _: () = assert!(size_of::<LightVertex>() == LIGHT_VERTEX_BYTES as usize);
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,7 +40,7 @@ impl ScratchSize {
         let plane = pixels * u64::from(settings.lengths.max(1)) * SPLAT_PIXEL_BYTES;
         let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, MOST_PLANES) } else { 0 };
         let vertices = if row.light_vertices { light_vertices(settings.max_depth) } else { 0 };
-        let path = 4 + u64::from(vertices) * size_of::<LightVertex>() as u64;
+        let path = 4 + u64::from(vertices) * u64::from(LIGHT_VERTEX_BYTES);
         let all = u64::from(slots(settings.width, settings.height)) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
         let paths = if row.light_vertices { (LIGHT_PATH_BYTES / path).max(least).min(all) } else { 0 };
