@@ -171,11 +171,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "bdpt",
         title: "bidirectional path tracing",
         file: "bdpt.glsl",
-        passes: &[
-            Pass { name: "light", over: Over::Pixels },
-            Pass { name: "camera", over: Over::Pixels },
-            RESOLVE,
-        ],
+        passes: &[Pass { name: "light", over: Over::Pixels }, Pass { name: "camera", over: Over::Pixels }, RESOLVE],
         solves: Solves::Everything,
         bias: Bias::Unbiased,
         rr_depth: 5,

@@ -15,10 +15,15 @@ struct Partial {
     float d_vc;  // the others, for connections
 };
 
+// Bounds far beyond any weight that matters, with which no product of two overflows: infinity times nothing would be no number.
+const float LARGEST_PARTIAL = 1e20;
+
+void partial_bound(inout Partial p) { p = Partial(min(p.d_vcm, LARGEST_PARTIAL), min(p.d_vc, LARGEST_PARTIAL)); }
+
 // A ratio of densities as the heuristic takes it.
 float mis(float ratio) {
     if (PARAM0 == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
-    float r = min(ratio, 1e17); // its square stays finite
+    float r = min(ratio, 1e9);
     return PARAM0 == WEIGHTS_POWER ? r * r : r;
 }
 
@@ -29,6 +34,7 @@ float scaled_area(float area) { return area / (scene.radius * scene.radius); }
 void partial_arrive(inout Partial p, float distance2, float cosine) {
     p.d_vcm *= mis(scaled_area(distance2) / cosine);
     p.d_vc *= mis(1.0 / cosine);
+    partial_bound(p);
 }
 
 // The path goes on in a direction of density pdf_w; `reverse_pdf_w` is that of having come the other way.
@@ -40,6 +46,7 @@ void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_p
     }
     p.d_vc = mis(cosine / pdf_w) * (p.d_vc * mis(reverse_pdf_w) + p.d_vcm);
     p.d_vcm = mis(1.0 / pdf_w);
+    partial_bound(p);
 }
 
 // What the strategies with fewer vertices on one side of a connection weigh together: `reverse_a` is the density, per scaled area, with

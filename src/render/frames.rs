@@ -79,7 +79,8 @@ impl FramePlan {
         // Whole workgroups; as many as there is room for, and one at least.
         let wanted = (capacity / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
         let fit = wanted.min(self.room.paths / u64::from(samples) / u64::from(WORKGROUP) * u64::from(WORKGROUP));
-        let slots = u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.room.slots).min(self.slots - self.cursor);
+        let slots =
+            u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.room.slots).min(self.slots - self.cursor);
         Some(Frame { first_slot: self.cursor, slots, first_sample: self.done, samples })
     }
 

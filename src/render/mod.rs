@@ -28,8 +28,8 @@ use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGR
 use crate::scene::Scene;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
-use scratch::Scratch;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
+use scratch::Scratch;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
 pub use watch::{Building, Watch};

@@ -14,8 +14,8 @@ use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS,
-    UNIFORM_SURFACES, address,
+    self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE,
+    UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
 use crate::scene::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
