@@ -16,7 +16,11 @@ pub(super) fn run() -> Result<()> {
             Bias::Unbiased => String::from("unbiased"),
             Bias::Biased(why) => format!("biased ({why})"),
         };
-        let blind = if row.sees_delta_lights { "" } else { "; does not see point, spot and directional lights" };
+        let mut blind =
+            String::from(if row.sees_delta_lights { "" } else { "; does not see point, spot and directional lights" });
+        if let Some(missed) = row.misses {
+            blind += &format!("; does not find {missed}");
+        }
         print(&format!("{:<14} {}\n{:14} {solves}, {bias}{blind}", row.name, row.title, ""));
         for parameter in row.parameters {
             let values = match parameter.values {

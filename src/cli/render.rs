@@ -13,7 +13,6 @@ use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT};
 use lumbre::output::{Format, check_writable, format_of, replace_file, write_picture};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
@@ -166,11 +165,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     let gpu = args.device.open()?;
     let (settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
-    if !args.quiet && !settings.technique.row.sees_delta_lights && has_delta_lights(&scene) {
-        let name = settings.technique.row.name;
-        eprintln!(
-            "warning: {name} cannot see this scene's point, spot or directional lights: the image lacks their light"
-        );
+    if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
+        eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
     gpu.reset_peak();
@@ -285,10 +281,6 @@ fn settle(
         None => u64::from(settings.width) * u64::from(settings.height) * u64::from(spp),
     };
     Ok((settings, Job { outputs, spp, time: args.time }))
-}
-
-fn has_delta_lights(scene: &Scene) -> bool {
-    scene.lights.iter().any(|light| matches!(light.kind, LIGHT_POINT | LIGHT_SPOT | LIGHT_DIRECTIONAL))
 }
 
 /// A flag that Ctrl-C and SIGTERM set: what was rendered is kept. The second one ends the process at once.

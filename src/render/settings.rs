@@ -73,6 +73,16 @@ impl Technique {
         words
     }
 
+    /// What the image of this scene lacks against the true one because of what the technique cannot find; nothing where it finds all.
+    pub fn misses(&self, scene: &Scene) -> Option<String> {
+        let mut all = Vec::new();
+        if !self.row.sees_delta_lights && scene.has_delta_lights() {
+            all.push("the light of points, spots, projectors and parallel light");
+        }
+        all.extend(self.row.misses.filter(|_| scene.has_unshowable()));
+        (!all.is_empty()).then(|| all.join(", and "))
+    }
+
     /// The name with every parameter that is not at its default.
     pub fn describe(&self) -> String {
         let changed = self

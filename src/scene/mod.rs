@@ -49,8 +49,9 @@ pub use needs::Needs;
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::layout::{
-    AliasEntry, Blend, Compensation, Corners, Layered, Light, LightNode, Material, MaterialTextures, Plastic,
-    Primitive, Principled, Surface, Texture,
+    AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT, Layered,
+    Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_PLASTIC, MATERIAL_THIN_DIELECTRIC, Material,
+    MaterialTextures, Plastic, Primitive, Principled, Surface, Texture,
 };
 
 /// A scene, ready to be uploaded.
@@ -208,6 +209,19 @@ impl Scene {
             let valid = self.cameras.iter().enumerate().map(|(index, camera)| format!("{index} ('{}')", camera.name));
             Error::Usage(format!("{} has no camera '{name}'; it has {}", self.source.display(), one_of(valid)))
         })
+    }
+
+    /// Whether some light is one that no direction hits by chance: a point, a spot, a projector, parallel light.
+    pub fn has_delta_lights(&self) -> bool {
+        let delta = [LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROJECTOR];
+        self.lights.iter().any(|light| delta.contains(&light.kind))
+    }
+
+    /// Whether the camera may see something that no path from a light can be shown to it from: a smooth mirror or glass, or the
+    /// background.
+    pub fn has_unshowable(&self) -> bool {
+        let smooth = [MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_THIN_DIELECTRIC, MATERIAL_PLASTIC];
+        self.background.is_some() || self.materials.iter().any(|material| smooth.contains(&material.kind))
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.

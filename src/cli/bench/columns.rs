@@ -7,7 +7,6 @@ use lumbre::bench::{Lumbre, Variant};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
 use lumbre::integrator::{Bias, INTEGRATORS, Solves};
-use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT};
 use lumbre::render::{Settings, Technique};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};
@@ -118,18 +117,15 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
     let row = technique.row;
     let mut all = Vec::new();
     if let Bias::Biased(why) = row.bias {
-        all.push(why);
+        all.push(why.to_owned());
     }
     if technique.value("form") == Some("biased") {
-        all.push("its biased form ends paths at the first light or at a fixed length");
+        all.push(String::from("its biased form ends paths at the first light or at a fixed length"));
     }
     if row.solves == Solves::Direct && entry.settings.technique.row.solves != Solves::Direct {
-        all.push("accounts for emission and direct light only");
+        all.push(String::from("accounts for emission and direct light only"));
     }
-    let delta = [LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROJECTOR];
-    if !row.sees_delta_lights && entry.scene.lights.iter().any(|light| delta.contains(&light.kind)) {
-        all.push("does not see point, spot and directional lights");
-    }
+    all.extend(technique.misses(&entry.scene).map(|missed| format!("does not find {missed}")));
     all.join("; ")
 }
 
@@ -140,8 +136,9 @@ pub(super) fn reference_technique(techniques: &[Technique]) -> Result<Technique>
     } else {
         Solves::Everything
     };
-    let row =
-        INTEGRATORS.iter().find(|row| row.solves == solves && row.bias == Bias::Unbiased && row.sees_delta_lights);
+    let row = INTEGRATORS.iter().find(|row| {
+        row.solves == solves && row.bias == Bias::Unbiased && row.sees_delta_lights && row.misses.is_none()
+    });
     Technique::parse(row.map_or("path", |row| row.name))
 }
 

@@ -1,0 +1,180 @@
+//! Paths from the light: with every kind of light, camera, material and filter they give the image that `path` gives.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::{assert_same_mean, backends, canon, render, settings, with_gpu};
+use lumbre::backend::Backend;
+use lumbre::render::{Settings, Technique};
+use lumbre::scene::{LoadOptions, Scene};
+
+const SIZE: u32 = 48;
+const TILE: u32 = 12;
+
+/// A scene of these Mitsuba elements.
+fn scene(elements: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.xml");
+    std::fs::write(&file, format!("<scene version='3.0.0'>{elements}</scene>")).unwrap();
+    lumbre::scene::load(&file, &LoadOptions::default()).unwrap()
+}
+
+/// A camera at (0, 1, 6) that looks at the middle of the room.
+const CAMERA: &str = "<sensor type='perspective'><float name='fov' value='40'/>
+    <transform name='to_world'><lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/></transform>
+    <film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/><rfilter type='box'/></film></sensor>";
+
+/// A floor, a wall that stands across it, and a block and a ball of these materials.
+fn room(block: &str, ball: &str) -> String {
+    format!(
+        "<bsdf type='twosided' id='white'><bsdf type='diffuse'><rgb name='reflectance' value='0.7, 0.6, 0.5'/></bsdf></bsdf>
+         <shape type='rectangle'><transform name='to_world'><scale value='3'/><rotate x='1' angle='-90'/></transform><ref id='white'/></shape>
+         <shape type='rectangle'><transform name='to_world'><scale value='3'/><translate z='-1.5'/></transform><ref id='white'/></shape>
+         <shape type='cube'><transform name='to_world'><scale value='0.5'/><rotate y='1' angle='30'/><translate x='-0.9' y='0.52'/></transform>{block}</shape>
+         <shape type='sphere'><point name='center' x='0.8' y='0.6' z='0.2'/><float name='radius' value='0.6'/>{ball}</shape>"
+    )
+}
+
+const MATTE: &str = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.5, 0.7'/></bsdf>";
+const LAMP: &str = "<shape type='rectangle'><transform name='to_world'><scale value='0.6'/><rotate x='1' angle='90'/>
+    <translate y='2.6'/></transform><bsdf type='diffuse'/><emitter type='area'><rgb name='radiance' value='9, 8, 7'/></emitter></shape>";
+
+/// `bdpt`, and `light` where it finds everything, against `path`, on every backend.
+fn agrees(what: &str, scene: &Scene, spp: u32) {
+    agrees_with(what, scene, spp, |_| {});
+}
+
+fn agrees_with(what: &str, scene: &Scene, spp: u32, change: impl Fn(&mut Settings)) {
+    with_gpu(|gpu| {
+        let film = |technique: &str, backend: Backend, seed: u32, spp: u32| {
+            let mut settings = settings(scene, technique, backend);
+            change(&mut settings);
+            settings.seed = seed;
+            render(gpu, scene, &settings, spp)
+        };
+        let truth = film("path", Backend::Bvh, 1000, 8 * spp);
+        let found = |technique: &&str| Technique::parse(technique).unwrap().misses(scene).is_none();
+        for (seed, technique) in (0..).zip(["bdpt", "light"].iter().filter(|technique| found(technique))) {
+            for backend in backends(gpu) {
+                let image = film(technique, backend, 2 * seed + u32::from(backend == Backend::Bvh), spp);
+                assert_same_mean(&format!("{what}: {technique} on {}", backend.name()), &image, &truth, TILE);
+            }
+        }
+        assert!(truth.width >= SIZE && truth.average()[1] > 1e-3, "{what} is not dark");
+    });
+}
+
+/// Every kind of light by itself, over matte surfaces.
+#[test]
+fn every_light() {
+    let ball_lamp = "<shape type='sphere'><point name='center' x='0' y='2.2' z='0'/><float name='radius' value='0.3'/>
+        <emitter type='area'><rgb name='radiance' value='20, 18, 15'/></emitter></shape>";
+    let point = "<emitter type='point'><point name='position' x='0.3' y='2.2' z='1'/><rgb name='intensity' value='9, 8, 7'/></emitter>";
+    let spot = "<emitter type='spot'><float name='cutoff_angle' value='35'/><rgb name='intensity' value='30, 28, 25'/>
+        <transform name='to_world'><lookat origin='1, 3, 2' target='0, 0, 0' up='0, 1, 0'/></transform></emitter>";
+    let sun = "<emitter type='directional'><vector name='direction' x='-0.4' y='-1' z='-0.6'/><rgb name='irradiance' value='3, 2.8, 2.5'/></emitter>";
+    let sky = "<emitter type='constant'><rgb name='radiance' value='0.8, 0.9, 1'/></emitter>";
+    let all = [point, spot, sun, sky, LAMP].concat();
+    let lights = [
+        ("a lamp", LAMP),
+        ("a ball", ball_lamp),
+        ("a point", point),
+        ("a spot", spot),
+        ("the sun", sun),
+        ("the sky", sky),
+        ("all", &all),
+    ];
+    for (what, light) in lights {
+        agrees(what, &scene(&[CAMERA, &room(MATTE, MATTE), light].concat()), 64);
+    }
+}
+
+/// Materials that reflect and refract in every way, lit by a lamp: shading normals, rough and smooth glass, coatings.
+#[test]
+fn every_material() {
+    let materials = [
+        ("rough metal", "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>"),
+        ("glass", "<bsdf type='dielectric'/>"),
+        ("rough glass", "<bsdf type='roughdielectric'><float name='alpha' value='0.4'/></bsdf>"),
+        ("thin glass", "<bsdf type='thindielectric'/>"),
+        ("plastic", "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.2, 0.5, 0.3'/></bsdf>"),
+        ("rough plastic", "<bsdf type='roughplastic'><float name='alpha' value='0.3'/></bsdf>"),
+        (
+            "principled",
+            "<bsdf type='principled'><rgb name='base_color' value='0.7, 0.4, 0.2'/><float name='roughness' value='0.5'/>
+             <float name='clearcoat' value='0.6'/><float name='spec_trans' value='0.5'/></bsdf>",
+        ),
+        (
+            "a blend",
+            "<bsdf type='blendbsdf'><float name='weight' value='0.4'/><bsdf type='diffuse'/>
+             <bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf></bsdf>",
+        ),
+        ("a mask", "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='diffuse'/></bsdf>"),
+    ];
+    for (what, material) in materials {
+        // Smooth glass between lamp and floor makes caustics that `path` finds only by running into the lamp: it is large.
+        agrees(what, &scene(&[CAMERA, &room(material, material), LAMP].concat()), 96);
+    }
+}
+
+/// Lenses and parallel rays see light paths as their own paths see the scene; so do filters wider than a pixel, and negative ones.
+#[test]
+fn every_camera_and_filter() {
+    let sensors = [
+        (
+            "a lens",
+            "thinlens",
+            "<float name='fov' value='40'/><float name='aperture_radius' value='0.3'/><float name='focus_distance' value='5'/>",
+            "box",
+        ),
+        ("parallel rays", "orthographic", "", "box"),
+        ("a tent", "perspective", "<float name='fov' value='40'/>", "tent"),
+        ("a Gaussian", "perspective", "<float name='fov' value='40'/>", "gaussian"),
+        ("a cubic", "perspective", "<float name='fov' value='40'/>", "mitchell"),
+    ];
+    for (what, kind, parameters, filter) in sensors {
+        let scale = if kind == "orthographic" { "<scale x='1.6' y='1.6' z='1'/>" } else { "" };
+        let sensor = format!(
+            "<sensor type='{kind}'>{parameters}<transform name='to_world'>{scale}<lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/>
+             </transform><film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/>
+             <rfilter type='{filter}'/></film></sensor>"
+        );
+        agrees(what, &scene(&[&sensor, &room(MATTE, MATTE), LAMP].concat()), 64);
+    }
+}
+
+/// The canon's rooms: a lamp that shines at the ceiling, a door ajar, a ring that focuses light, and more lights than a table takes.
+#[test]
+fn the_canon() {
+    for (name, spp) in
+        [("bidirectional_room.xml", 24), ("door_ajar.xml", 64), ("ring_caustic.xml", 128), ("many_lights.xml", 64)]
+    {
+        agrees_with(name, &canon(name, &[]), spp, |settings| (settings.width, settings.height) = (SIZE, SIZE));
+    }
+}
+
+/// Whatever weighs the strategies, the mean is the same, and so it is where paths have to end.
+#[test]
+fn weights_and_lengths_change_no_mean() {
+    let scene = canon("cornell_spheres.xml", &[("size", "48")]);
+    with_gpu(|gpu| {
+        for max_depth in [1, 2, 3, 5, 18] {
+            let film = |technique: &str, seed: u32, spp: u32| {
+                let settings =
+                    Settings { max_depth: Some(max_depth), seed, ..settings(&scene, technique, Backend::Bvh) };
+                render(gpu, &scene, &settings, spp)
+            };
+            let truth = film("path", 1000, 1024);
+            for (seed, weights) in (0..).zip(["power", "balance"]) {
+                let technique = format!("bdpt:weights={weights}");
+                assert_same_mean(
+                    &format!("{technique}, {max_depth} segments"),
+                    &film(&technique, seed, 128),
+                    &truth,
+                    TILE,
+                );
+            }
+        }
+    });
+}
