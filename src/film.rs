@@ -2,6 +2,7 @@
 
 use crate::layout::FilmPixel;
 use crate::metrics::RELATIVE_FLOOR;
+use crate::strategies::Strategy;
 
 /// Sums of the samples of each pixel, row by row from the upper left.
 #[derive(Clone, Debug, Default)]
@@ -18,10 +19,23 @@ pub struct Film {
     pub squares: Vec<[f64; 3]>,
     /// Sums by path length (index 0: one segment), where they were asked for.
     pub lengths: Vec<Vec<[f64; 3]>>,
+    /// Sums by strategy, where they were asked for.
+    pub strategies: Vec<StrategyLayers>,
     /// Samples that were not finite and were dropped.
     pub nonfinite: u64,
     /// Where the first of them were.
     pub bad_samples: Vec<BadSample>,
+}
+
+/// What one strategy of bidirectional path tracing brings.
+#[derive(Clone, Debug)]
+pub struct StrategyLayers {
+    /// The strategy.
+    pub strategy: Strategy,
+    /// Sums of its estimates by itself, with weight 1.
+    pub unweighted: Vec<[f64; 3]>,
+    /// Sums of its share of the image.
+    pub weighted: Vec<[f64; 3]>,
 }
 
 /// A sample that was not finite.
@@ -71,6 +85,7 @@ impl Film {
             sums: pixels.iter().map(|pixel| pair(pixel.sum, pixel.sum_low)).collect(),
             squares: pixels.iter().map(|pixel| pair(pixel.squares, pixel.squares_low)).collect(),
             lengths,
+            strategies: Vec::new(),
             nonfinite: 0,
             bad_samples: Vec::new(),
         }
@@ -95,6 +110,11 @@ impl Film {
     /// What paths of `layer + 1` segments bring; the last layer holds all longer ones too.
     pub fn length(&self, layer: usize) -> Image {
         self.per_pixel(|pixel| self.lengths[layer][pixel].map(|sum| sum / self.counts[pixel].max(1) as f64))
+    }
+
+    /// The image of sums over the samples of each pixel.
+    pub fn image_of(&self, sums: &[[f64; 3]]) -> Image {
+        self.per_pixel(|pixel| sums[pixel].map(|sum| sum / self.counts[pixel].max(1) as f64))
     }
 
     /// The unbiased estimate of the variance of one sample, per pixel and channel; 0 below two samples.

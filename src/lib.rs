@@ -52,5 +52,6 @@ pub mod render;
 pub mod report;
 pub mod sampler;
 pub mod scene;
+pub mod strategies;
 
 pub use error::{Error, Result};

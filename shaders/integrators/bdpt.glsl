@@ -24,6 +24,15 @@ uint longest() { return min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
 
 #ifdef PASS_LIGHT
 
+// Adds (s, 1): what a vertex shows to the camera along the ray.
+void show(Pixel pixel, CameraView view, uint s, vec3 value, float weight, vec2 u, Ray ray, vec3 absorption, inout uint rays) {
+    uint seen_by = splat_pixel(view.position, u, value);
+    if (seen_by == NONE) return;
+    value *= segment_transmittance(ray, absorption, rays);
+    if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, s, 1u, value, weight);
+    else splat(seen_by, pixel.sample_index, s, value * weight);
+}
+
 // (1, 1): the light itself, shown to the camera, against (0, 2), the camera running into it.
 void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     if (e.delta || e.distant) return;
@@ -36,8 +45,8 @@ void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     Ray ray = Ray(origin, (view.target - origin) / reach, reach * (1.0 - gamma(8.0)));
     float camera_a = view.importance * cosine / (view.distance2 * light_path_count()); // pixels per area
     float weight = 1.0 / (1.0 + mis(camera_a / e.pdf_a));
-    vec3 value = e.power * INV_PI * camera_a * weight;
-    splat_at(view.position, pixel.sample_index, 1u, value * trace_transmittance(ray, rays), u.zw);
+    vec3 value = e.power * INV_PI * camera_a;
+    show(pixel, view, 1u, value, weight, u.zw, ray, vec3(0.0), rays);
 }
 
 // Follows the path to its next vertex, keeps that, shows it to the camera, and chooses the ray after it.
@@ -77,9 +86,8 @@ bool light_path_extend(Pixel pixel, EmittedRay e, inout Path path, inout Partial
         if (view.visible && value != vec3(0.0)) {
             float camera_a = view.importance * abs(dot(view.direction, v.at.normal)) / (scaled_area(view.distance2) * light_path_count());
             float weight = 1.0 / (1.0 + partial_sum(p, camera_a, bsdf_pdf(b, local, v.wo)));
-            value *= view.importance * weight / (view.distance2 * light_path_count());
-            value *= segment_transmittance(vertex_camera_ray(v, view), vertex_absorption(v, b, path.absorption, local), rays);
-            splat_at(view.position, pixel.sample_index, length, value, u.zw);
+            value *= view.importance / (view.distance2 * light_path_count());
+            show(pixel, view, length, value, weight, u.zw, vertex_camera_ray(v, view), vertex_absorption(v, b, path.absorption, local), rays);
         }
     }
     if (length >= longest()) return false;
@@ -115,6 +123,12 @@ void main() {
 
 #else
 
+// Adds what (s, t) brings to the path's own pixel.
+void gather(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
+    if (HAS_STRATEGIES) splat_strategy(pixel.index, pixel.sample_index, s, t, value * pixel.filter_weight, weight);
+    else contribute(e, s + t - 1u, value * weight);
+}
+
 // Weight of (0, t): the path has run into a light. `choice_pdf_w` is the density with which (1, t - 1) picks that direction,
 // `cosine` lies at the light, `emission_a` is the density of light paths beginning there, per scaled area.
 float implicit_weight(Path path, Partial p, float choice_pdf_w, float cosine, float distance2, float emission_a) {
@@ -138,7 +152,7 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
             // d_vcm and d_vc are still over solid angle: a light path begins on a disk of pi squares of the radius.
             if (path.depth > 0u)
                 weight = both_sides ? 1.0 / (1.0 + p.d_vcm * mis(pdf_w) + p.d_vc * mis(pdf_w * INV_PI)) : 1.0 / (1.0 + (path.delta ? 0.0 : mis(pdf_w / path.pdf_w)));
-            contribute(e, length, path.throughput * background_radiance(path.ray.direction) * weight);
+            gather(pixel, e, 0u, length + 1u, path.throughput * background_radiance(path.ray.direction), weight);
         }
         return false;
     }
@@ -158,7 +172,7 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
         float choice = path.depth > 0u && !path.delta ? light_pdf(path.from, path.ray, hit, v.at, v.surface) : 0.0;
         if (both_sides) weight = implicit_weight(path, p, choice, arriving, distance2, v.surface.emission_density / scaled_area(1.0));
         else if (!path.delta) weight = 1.0 / (1.0 + mis(choice / path.pdf_w));
-        contribute(e, length, path.throughput * emission * weight);
+        gather(pixel, e, 0u, length + 1u, path.throughput * emission, weight);
     }
     if (length >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
@@ -175,7 +189,8 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
             float found_w = light.delta ? 0.0 : bsdf_pdf(b, v.wo, wi);
             float others = mis(found_w / light.pdf_w);
             if (both_sides) others += partial_sum(p, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), bsdf_pdf(b, wi, v.wo));
-            contribute(e, length + 1u, value * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays) / (1.0 + others));
+            value *= vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays);
+            gather(pixel, e, 1u, length + 1u, value, 1.0 / (1.0 + others));
         }
         // s >= 2: connections to the light path.
         LightPath others = light_path_of(pixel);
@@ -184,7 +199,9 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
             LightVertex y = others.at[i];
             uint total = length + 1u + y.segments;
             if (total > longest()) break;
-            contribute(e, total, path.throughput * connect(pixel, path, v, b, p, y, e.rays));
+            float weight;
+            vec3 value = path.throughput * connect(pixel, path, v, b, p, y, weight, e.rays);
+            gather(pixel, e, y.segments + 1u, length + 1u, value, weight);
         }
     }
 

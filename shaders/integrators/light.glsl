@@ -24,7 +24,8 @@ void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     Ray ray = Ray(origin, (view.target - origin) / reach, reach * (1.0 - gamma(8.0)));
     // power = L pi / pdf_a
     vec3 value = e.power * (INV_PI * cosine * view.importance / (view.distance2 * light_path_count()));
-    splat_at(view.position, pixel.sample_index, 1u, value * trace_transmittance(ray, rays), u.zw);
+    uint seen_by = splat_pixel(view.position, u.zw, value);
+    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * trace_transmittance(ray, rays));
 }
 
 // Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.
@@ -44,9 +45,10 @@ bool light_path_extend(Pixel pixel, inout Path path, vec3 power, inout uint rays
         vec3 local = vertex_to_local(v, view.direction);
         vec3 value = power * path.throughput * light_vertex_eval(v, b, path.ray, local, view.direction);
         value *= view.importance / (view.distance2 * light_path_count());
-        if (view.visible && value != vec3(0.0)) {
+        uint seen_by = view.visible && value != vec3(0.0) ? splat_pixel(view.position, u.zw, value) : NONE;
+        if (seen_by != NONE) {
             value *= segment_transmittance(vertex_camera_ray(v, view), vertex_absorption(v, b, path.absorption, local), rays);
-            splat_at(view.position, pixel.sample_index, length, value, u.zw);
+            splat(seen_by, pixel.sample_index, length, value);
         }
     }
     if (length >= MAX_DEPTH) return false;

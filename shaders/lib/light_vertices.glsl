@@ -14,9 +14,10 @@ LightPath light_path_of(Pixel pixel) {
 void keep_light_vertex(Pixel pixel, uint index, LightVertex y) { light_path_of(pixel).at[index] = y; }
 void keep_light_vertex_count(Pixel pixel, uint count) { light_path_of(pixel).count = count; }
 
-// What the vertex of a path from the camera receives from a vertex of the light path, over the path's throughput, weighted against all
-// other strategies for the whole path.
-vec3 connect(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, LightVertex y, inout uint rays) {
+// What the vertex of a path from the camera receives from a vertex of the light path, over the path's throughput, and the weight of that
+// among all strategies for the whole path.
+vec3 connect(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, LightVertex y, out float weight, inout uint rays) {
+    weight = 0.0;
     Ray arrived = Ray(y.position, y.direction, INFINITY);
     Vertex w = vertex_at(arrived, Hit(0.0, y.primitive, y.instance, y.uv));
     Sampler random = Sampler(pixel.index, pixel.sample_index, y.dimension, frame.seed);
@@ -40,5 +41,6 @@ vec3 connect(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, LightVertex y,
     float distance = length(reach);
     ray.direction = reach / distance;
     ray.t_max = distance * (1.0 - gamma(8.0));
-    return value * segment_transmittance(ray, vertex_absorption(v, b, path.absorption, local), rays) / (1.0 + others);
+    weight = 1.0 / (1.0 + others);
+    return value * segment_transmittance(ray, vertex_absorption(v, b, path.absorption, local), rays);
 }

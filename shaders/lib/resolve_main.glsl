@@ -23,7 +23,7 @@ void main() {
         e.radiance = vec3(0.0);
         for (uint layer = 0u; layer < splat_layers(); layer++) {
             vec3 value = take(pixel.index, pixel.sample_index, layer);
-            e.radiance += value;
+            if (!HAS_STRATEGIES || layer % 2u == 1u) e.radiance += value; // the image is the sum of what is weighted
             if (LENGTH_LAYERS > 0u) e.by_length[layer] = value;
         }
         pixel.filter_weight = 1.0;

@@ -37,8 +37,17 @@ void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     }
 }
 
+// The same for the strategy (s, t), by itself and with its weight among all.
+void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
+    uint k = s + t - 1u;
+    uint layer = (k - 1u) * (k + 2u) + 2u * s; // of shorter paths, then of fewer vertices from the light
+    splat(pixel, sample_index, layer + 1u, value);
+    splat(pixel, sample_index, layer + 2u, value * weight);
+}
+
 // Adds what a path from the camera has gathered to its own pixel.
 void splat_sample(Pixel pixel, Estimate e) {
+    if (HAS_STRATEGIES) return;
     if (LENGTH_LAYERS == 0u) splat(pixel.index, pixel.sample_index, 1u, e.radiance * pixel.filter_weight);
     for (uint i = 0u; i < LENGTH_LAYERS; i++) splat(pixel.index, pixel.sample_index, i + 1u, e.by_length[i] * pixel.filter_weight);
 }
@@ -46,10 +55,12 @@ void splat_sample(Pixel pixel, Estimate e) {
 // The image has as many light paths in each sample as pixels.
 float light_path_count() { return float(frame.width) * float(frame.height); }
 
-// Splats at a position in the image, through the pixel filter; what falls beside the image is lost, as it is for the camera.
-void splat_at(vec2 position, uint sample_index, uint length, vec3 value, vec2 u) {
+// The pixel of a position in the image by the pixel filter, whose weight multiplies `value`; NONE beside the image: what falls
+// there is lost, as it is for the camera.
+uint splat_pixel(vec2 position, vec2 u, inout vec3 value) {
     float weight = 1.0;
     int x = filter_pixel(position.x, u.x, weight), y = filter_pixel(position.y, u.y, weight);
-    if (x < 0 || y < 0 || x >= int(frame.width) || y >= int(frame.height)) return;
-    splat(uint(y) * frame.width + uint(x), sample_index, length, value * weight);
+    if (x < 0 || y < 0 || x >= int(frame.width) || y >= int(frame.height)) return NONE;
+    value *= weight;
+    return uint(y) * frame.width + uint(x);
 }

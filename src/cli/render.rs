@@ -1,6 +1,7 @@
 //! `lumbre render`.
 
 mod progress;
+mod pyramid;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -13,10 +14,11 @@ use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::output::{Format, check_writable, format_of, replace_file, write_picture};
+use lumbre::output::{Format, Picture, check_writable, format_of, replace_file, write_picture};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
+use lumbre::strategies::LONGEST;
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
 use progress::{BuildProgress, Progress};
@@ -87,6 +89,12 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "0", require_equals = true,
           value_parser = clap::value_parser!(u32).range(0..=64))]
     lengths: Option<u32>,
+
+    /// Write what each strategy (s, t) of bidirectional path tracing brings, by itself and weighted, for paths of up to N segments (6 at
+    /// most), which is where paths end then: EXR layers, and as PNG a pyramid of them
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "6", require_equals = true, conflicts_with = "lengths",
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(LONGEST)))]
+    strategies: Option<u32>,
 
     /// Further EXR layers, separated by commas: variance (of each pixel's mean), samples
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -197,7 +205,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started);
     let picture = report::picture(&film, &result, &args.aov);
     for path in &job.outputs {
-        write_picture(path, &picture)?;
+        match pyramid::pyramid(&film).filter(|_| matches!(format_of(path), Ok(Format::Png))) {
+            Some(image) => write_picture(path, &Picture { image, layers: Vec::new(), header: Vec::new() })?,
+            None => write_picture(path, &picture)?,
+        }
     }
     if let Some(path) = &args.json {
         write_json(path, &result)?;
@@ -269,6 +280,13 @@ fn settle(
         Some(0) => settings.max_depth.unwrap_or(DEFAULT_LENGTHS).clamp(1, DEFAULT_LENGTHS),
         Some(count) => count,
     };
+    if let Some(most) = args.strategies {
+        let longest = settings.max_depth.map_or(most, |depth| depth.min(most));
+        if settings.max_depth != Some(longest) && !args.quiet {
+            eprintln!("note: paths end after {longest} segments, for --strategies to show all of them");
+        }
+        (settings.strategies, settings.max_depth) = (longest, Some(longest));
+    }
     let spp = match (args.time, args.error) {
         (Some(_), _) => u32::MAX,
         (None, Some(_)) => args.spp.unwrap_or(u32::MAX),

@@ -94,7 +94,7 @@ specialisation! {
     15 light_count LIGHT_COUNT: uint;
     /// The pixel filter, one of the `FILTER_*` constants.
     16 filter FILTER: uint;
-    /// Layers by path length, 0 for none; the last one also takes every longer path.
+    /// Layers by path length, 0 for none; the last one also takes every longer path. With strategies, two for each of them.
     17 length_layers LENGTH_LAYERS: uint;
     /// Longest path in segments; `NONE` is no limit.
     18 max_depth MAX_DEPTH: uint;
@@ -156,6 +156,8 @@ specialisation! {
     70 energy_compensation HAS_ENERGY_COMPENSATION: bool;
     /// Uniform numbers come in scrambled Sobol pairs instead of independently.
     71 sobol HAS_SOBOL: bool;
+    /// Layers are those of strategies, unweighted and weighted, instead of path lengths.
+    72 strategies HAS_STRATEGIES: bool;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.

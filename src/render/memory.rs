@@ -229,7 +229,7 @@ impl Table {
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         self.add("film", pixels * size_of::<FilmPixel>() as u64, true);
         // A buffer of nothing takes four bytes.
-        self.add("film by path length", (pixels * u64::from(settings.lengths) * LAYER_PIXEL_BYTES).max(4), true);
+        self.add("film by path length", (pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES).max(4), true);
         self.add("tally", TALLY_BYTES, true);
         let scratch = ScratchSize::of(settings);
         self.add("splats", scratch.splat_bytes.max(4), true);

@@ -21,11 +21,12 @@ pub use probe::Probe;
 pub use settings::{Settings, Technique};
 
 use crate::error::{Error, Result};
-use crate::film::{BadSample, Film};
+use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Over;
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
+use crate::strategies::Strategy;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
@@ -100,7 +101,7 @@ impl Renderer {
             layers: Buffer::zeroed(
                 gpu,
                 "film by path length",
-                pixels * u64::from(settings.lengths) * LAYER_PIXEL_BYTES,
+                pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES,
             )?,
             tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
             plan: FramePlan::new(settings.width, settings.height, scratch.size.room(gpu.limits().max_workgroups)),
@@ -186,9 +187,16 @@ impl Renderer {
         let (width, height) = (self.settings.width, self.settings.height);
         let pixels = width as usize * height as usize;
         let sums: Vec<FilmPixel> = self.film.read(pixels)?;
-        let layer_count = self.settings.lengths as usize;
+        let layer_count = self.settings.layers() as usize;
         let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
         let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count);
+        if self.settings.strategies > 0 {
+            let mut layers = std::mem::take(&mut film.lengths).into_iter();
+            for strategy in Strategy::up_to(self.settings.strategies) {
+                let mut next = || layers.next().unwrap_or_default();
+                film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
+            }
+        }
         film.nonfinite = self.nonfinite;
         film.bad_samples.clone_from(&self.bad_samples);
         Ok(film)

@@ -37,7 +37,7 @@ impl ScratchSize {
     pub fn of(settings: &Settings) -> Self {
         let row = settings.technique.row;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
-        let plane = pixels * u64::from(settings.lengths.max(1)) * SPLAT_PIXEL_BYTES;
+        let plane = pixels * u64::from(settings.layers().max(1)) * SPLAT_PIXEL_BYTES;
         let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, MOST_PLANES) } else { 0 };
         let vertices = if row.light_vertices { light_vertices(settings.max_depth) } else { 0 };
         let path = 4 + u64::from(vertices) * u64::from(LIGHT_VERTEX_BYTES);

@@ -8,6 +8,7 @@ use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
+use crate::strategies::{LONGEST, Strategy};
 
 /// A row of the table with values for its parameters.
 #[derive(Clone, Debug)]
@@ -142,6 +143,8 @@ pub struct Settings {
     pub seed: u32,
     /// Layers by path length; 0 for none. The last one also takes every longer path.
     pub lengths: u32,
+    /// Layers by strategy, for paths of up to so many segments, which must be the longest there are; 0 for none.
+    pub strategies: u32,
     /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
     pub specialise: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
@@ -165,10 +168,16 @@ impl Settings {
             sampler: SAMPLERS[0].sampler,
             seed: 0,
             lengths: 0,
+            strategies: 0,
             specialise: true,
             expected_samples: u64::MAX,
             chunk: CHUNK,
         }
+    }
+
+    /// Layers of the film besides the image itself.
+    pub fn layers(&self) -> u32 {
+        if self.strategies > 0 { 2 * Strategy::up_to(self.strategies).count() as u32 } else { self.lengths }
     }
 
     /// What the kernel models.
@@ -200,6 +209,27 @@ impl Settings {
                 gpu.survey().name,
                 one_of(others)
             ));
+        }
+        if self.strategies > 0 {
+            let combining = INTEGRATORS.iter().filter(|row| row.light_vertices).map(|row| row.name);
+            if !row.light_vertices {
+                return bad(format!(
+                    "layers by strategy (--strategies) of {}: valid are they with {}",
+                    row.name,
+                    one_of(combining)
+                ));
+            }
+            if self.strategies > LONGEST || self.max_depth.is_none_or(|depth| depth > self.strategies) {
+                return bad(format!(
+                    "layers by strategy (--strategies) for {} segments: they must be all that paths may have, {LONGEST} at most",
+                    self.strategies
+                ));
+            }
+            if self.lengths > 0 {
+                return bad(String::from(
+                    "layers by strategy (--strategies) and by path length (--lengths): choose one",
+                ));
+            }
         }
         if self.lengths > 64 {
             return bad(format!("{} layers by path length: 64 is the most", self.lengths));

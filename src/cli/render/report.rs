@@ -115,6 +115,11 @@ pub(super) fn picture(film: &Film, report: &Report, aovs: &[String]) -> Picture 
         let name = format!("length{:02}{}", layer + 1, if open_ended { "plus" } else { "" });
         layers.push(NamedLayer { name, image: film.length(layer) });
     }
+    for found in &film.strategies {
+        let name = found.strategy.name();
+        layers.push(NamedLayer { name: format!("{name}_unweighted"), image: film.image_of(&found.unweighted) });
+        layers.push(NamedLayer { name, image: film.image_of(&found.weighted) });
+    }
     for aov in aovs {
         let image = match aov.as_str() {
             "variance" => film.mean_variance(),
