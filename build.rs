@@ -84,14 +84,16 @@ fn variants() -> Vec<Variant> {
         })
         .collect();
     all.extend(lean);
-    // A technique with its names, for tests/layout.rs.
-    all.extend(backend::BACKENDS.iter().map(|backend| Variant {
-        name: format!("test/path.{}", backend.name),
-        file: String::from("integrators/path.glsl"),
-        backend,
-        defines: Vec::new(),
-        optimised: false,
-    }));
+    // Techniques with their names, for tests/layout.rs.
+    for (name, defines) in [("path", None), ("bdpt", Some(String::from("PASS_LIGHT")))] {
+        all.extend(backend::BACKENDS.iter().map(|backend| Variant {
+            name: format!("test/{name}.{}", backend.name),
+            file: format!("integrators/{name}.glsl"),
+            backend,
+            defines: defines.iter().cloned().collect(),
+            optimised: false,
+        }));
+    }
     all
 }
 

@@ -351,7 +351,7 @@ fn roulette_is_unbiased() {
         (0.9, "path-implicit:q=0.02", 1, 1000),
         (0.9, "light", 5, 1000),
         (0.9, "bdpt", 5, 200),
-        (0.99, "bdpt", 5, 200),
+        (0.99, "bdpt", 5, 450),
     ];
     with_gpu(|gpu| {
         for (albedo, technique, rr_depth, spp) in cases {

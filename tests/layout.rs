@@ -8,7 +8,8 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 7] = [
+const MODULES: [&str; 8] = [
+    "test/bdpt.bvh",
     "test/path.bvh",
     "test/path.ray-query",
     "test/trace.bvh",

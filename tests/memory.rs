@@ -31,7 +31,7 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 /// What the film and its companions take.
-const FILM: [&str; 3] = ["film", "film by path length", "tally"];
+const FILM: [&str; 5] = ["film", "film by path length", "tally", "splats", "light paths"];
 
 /// Settings that make every kind of buffer there is.
 fn with_layers(scene: &Scene, backend: Backend) -> Settings {

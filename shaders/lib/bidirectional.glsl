@@ -15,15 +15,15 @@ struct Partial {
     float d_vc;  // the others, for connections
 };
 
-// Bounds far beyond any weight that matters, with which no product of two overflows: infinity times nothing would be no number.
-const float LARGEST_PARTIAL = 1e20;
+// A bound far beyond any weight that matters: sums stay finite, and infinity never meets a factor of nothing.
+const float LARGEST_PARTIAL = 1e26;
 
 void partial_bound(inout Partial p) { p = Partial(min(p.d_vcm, LARGEST_PARTIAL), min(p.d_vc, LARGEST_PARTIAL)); }
 
 // A ratio of densities as the heuristic takes it.
 float mis(float ratio) {
     if (PARAM0 == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
-    float r = min(ratio, 1e9);
+    float r = min(ratio, 1e13);
     return PARAM0 == WEIGHTS_POWER ? r * r : r;
 }
 
@@ -44,7 +44,8 @@ void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_p
         p.d_vcm = 0.0;
         return;
     }
-    p.d_vc = mis(cosine / pdf_w) * (p.d_vc * mis(reverse_pdf_w) + p.d_vcm);
+    float there = mis(cosine / pdf_w);
+    p.d_vc = there > 0.0 ? there * (p.d_vc * mis(reverse_pdf_w) + p.d_vcm) : 0.0;
     p.d_vcm = mis(1.0 / pdf_w);
     partial_bound(p);
 }
@@ -52,5 +53,6 @@ void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_p
 // What the strategies with fewer vertices on one side of a connection weigh together: `reverse_a` is the density, per scaled area, with
 // which the other side would have sampled this side's end, `reverse_pdf_w` with which that end would then have gone on.
 float partial_sum(Partial p, float reverse_a, float reverse_pdf_w) {
-    return mis(reverse_a) * (p.d_vcm + p.d_vc * mis(reverse_pdf_w));
+    float there = mis(reverse_a);
+    return there > 0.0 ? there * (p.d_vcm + p.d_vc * mis(reverse_pdf_w)) : 0.0;
 }

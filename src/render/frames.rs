@@ -49,13 +49,13 @@ pub(super) struct FramePlan {
 }
 
 /// Slots of an image: its pixels in whole tiles.
-pub(super) fn slots(width: u32, height: u32) -> u32 {
-    width.div_ceil(8) * height.div_ceil(8) * 64
+pub(super) fn slots(width: u32, height: u32) -> u64 {
+    u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 64
 }
 
 impl FramePlan {
     pub fn new(width: u32, height: u32, room: Room) -> Self {
-        let slots = slots(width, height);
+        let slots = slots(width, height) as u32; // checked before anything is allocated
         Self { width, height, slots, room, done: 0, cursor: 0, pass: 0, capacity: FIRST }
     }
 

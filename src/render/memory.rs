@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::frames::slots;
 use super::scratch::ScratchSize;
 use super::settings::Settings;
 use super::upload::most_in_part;
@@ -125,8 +126,7 @@ pub(super) fn check(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()>
         Ok(Prediction::of(scene, settings, Some(gpu))?.refusal(gpu))
     };
     let Some(why) = refusal(settings)? else {
-        let pixels = u64::from(settings.width.div_ceil(8)) * u64::from(settings.height.div_ceil(8)) * 64;
-        return if u32::try_from(pixels).is_ok() {
+        return if u32::try_from(slots(settings.width, settings.height)).is_ok() {
             Ok(())
         } else {
             Err(Error::Device(format!(

@@ -226,7 +226,7 @@ impl Renderer {
             format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
         // A frame of nothing makes CPU devices compile.
-        let all = if samples > 0 { frames::slots(self.settings.width, self.settings.height) } else { 0 };
+        let all = if samples > 0 { frames::slots(self.settings.width, self.settings.height) as u32 } else { 0 };
         let took = self.gpu.run(&name, &work, |commands| {
             commands.clear(tally);
             for (over, kernel) in passes {

@@ -41,7 +41,7 @@ impl ScratchSize {
         let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, MOST_PLANES) } else { 0 };
         let vertices = if row.light_vertices { light_vertices(settings.max_depth) } else { 0 };
         let path = 4 + u64::from(vertices) * u64::from(LIGHT_VERTEX_BYTES);
-        let all = u64::from(slots(settings.width, settings.height)) * planes.max(1);
+        let all = slots(settings.width, settings.height) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
         let paths = if row.light_vertices { (LIGHT_PATH_BYTES / path).max(least).min(all) } else { 0 };
         Self { planes, splat_bytes: planes * plane, vertices, paths, light_path_bytes: paths * path }

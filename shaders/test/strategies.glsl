@@ -1,0 +1,77 @@
+// The weights of all strategies for paths that are given by their densities, put together from lib/bidirectional.glsl as
+// integrators/bdpt.glsl does. Vertex 0 is the camera, the last one lies on a light; the layout of a query is tests/strategies.rs's.
+#version 460
+#include "lib/prelude.glsl"
+#include "lib/bidirectional.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+const uint MOST = 8u; // vertices
+const uint QUERY = 64u; // floats of a query
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Weights { float at[]; };
+
+uint query;
+float value(uint index) { return Floats(frame.lengths).at[query * QUERY + index]; }
+float camera_density() { return value(1u); }
+float emission_a() { return value(2u); }
+float emission_w() { return value(3u); }
+float choice_a() { return value(4u); }
+float to_light(uint i) { return value(5u + i); }             // density of going on towards the light
+float to_camera(uint i) { return value(5u + MOST + i); }     // ... towards the camera
+bool is_delta(uint i) { return value(5u + 2u * MOST + i) != 0.0; }
+float distance2(uint edge) { return value(5u + 3u * MOST + edge); } // between this vertex and the next, in squares of the radius
+float near_cosine(uint edge) { return value(5u + 4u * MOST + edge); }
+float far_cosine(uint edge) { return value(5u + 5u * MOST + edge); }
+
+void arrive(inout Partial p, uint edge, float cosine) { partial_arrive(p, distance2(edge) * scene.radius * scene.radius, cosine); }
+
+Partial from_camera(uint last) {
+    Partial p = Partial(mis(1.0 / camera_density()), 0.0);
+    arrive(p, 0u, far_cosine(0u));
+    for (uint i = 1u; i < last; i++) {
+        partial_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i));
+        arrive(p, i, far_cosine(i));
+    }
+    return p;
+}
+
+Partial from_light(uint n, uint last) {
+    uint edge = n - 2u;
+    float start = emission_a() * emission_w();
+    Partial p = Partial(mis(choice_a() * distance2(edge) / (start * near_cosine(edge))), mis(far_cosine(edge) / (start * near_cosine(edge))));
+    for (uint i = n - 2u; i > last; i--) {
+        partial_scatter(p, far_cosine(i - 1u), to_camera(i), to_light(i), is_delta(i));
+        arrive(p, i - 1u, near_cosine(i - 1u));
+    }
+    return p;
+}
+
+float weight(uint n, uint s) {
+    uint t = n - s;
+    float seen = camera_density() * far_cosine(0u) / distance2(0u); // density of vertex 1 from the camera
+    if (n == 2u) return 1.0 / (1.0 + mis(s == 0u ? emission_a() / seen : seen / emission_a()));
+    if (s == 0u) {
+        Partial p = from_camera(n - 1u);
+        return 1.0 / (1.0 + p.d_vcm * mis(choice_a()) + p.d_vc * mis(emission_a() * emission_w()));
+    }
+    uint edge = t - 1u;
+    if (t > 1u && is_delta(t - 1u) || s > 1u && is_delta(t)) return 0.0;
+    if (s == 1u) {
+        float found = is_delta(t - 1u) ? 0.0 : to_light(t - 1u) * far_cosine(edge) / (distance2(edge) * choice_a());
+        float reverse = emission_a() * emission_w() * near_cosine(edge) / (distance2(edge) * choice_a());
+        return 1.0 / (1.0 + mis(found) + partial_sum(from_camera(t - 1u), reverse, to_camera(t - 1u)));
+    }
+    Partial y = from_light(n, t);
+    if (t == 1u) return 1.0 / (1.0 + partial_sum(y, seen, to_light(t)));
+    float light_side = to_camera(t) * near_cosine(edge) / distance2(edge);
+    float camera_side = to_light(t - 1u) * far_cosine(edge) / distance2(edge);
+    return 1.0 / (1.0 + partial_sum(from_camera(t - 1u), light_side, to_camera(t - 1u)) + partial_sum(y, camera_side, to_light(t)));
+}
+
+void main() {
+    query = gl_GlobalInvocationID.x;
+    if (query >= frame.slot_count) return;
+    uint n = uint(value(0u));
+    for (uint s = 0u; s < MOST; s++) Weights(frame.film).at[query * MOST + s] = s < n ? weight(n, s) : 0.0;
+}
