@@ -2,9 +2,6 @@
 // eight at most. The order of points within a cell, and of cells among the places, is left to chance.
 #include "lib/rng.glsl"
 
-// Light paths whose vertices a grid holds: of one sample of the image, and as many as there is memory for.
-float grid_path_count() { return float(frame.light_path_count); }
-
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridCells { uint taken; GridCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridPlaces { uint at[]; };
 

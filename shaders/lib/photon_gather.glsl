@@ -15,7 +15,7 @@ void gather_photons(Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i <= LENGTH_LAYERS; i++) sums[i] = i64vec3(0l);
     uint length = path.depth + 1u;
     float radius2 = frame.merge_radius * frame.merge_radius;
-    vec3 factor = path.throughput / (PI * radius2 * grid_path_count() * scene.splat_unit);
+    vec3 factor = path.throughput / (PI * radius2 * light_path_count() * scene.splat_unit);
     bool finite = true;
     ivec3 corner = grid_corner(v.at.position);
     for (uint i = 0u; i < 8u; i++) {

@@ -43,9 +43,6 @@ void splat_sample(Pixel pixel, Estimate e) {
     for (uint i = 0u; i < LENGTH_LAYERS; i++) splat(pixel.index, pixel.sample_index, i + 1u, e.by_length[i] * pixel.filter_weight);
 }
 
-// The image has as many light paths in each sample as pixels.
-float light_path_count() { return float(frame.width) * float(frame.height); }
-
 // Splats at a position in the image, through the pixel filter; what falls beside the image is lost, as it is for the camera.
 void splat_at(vec2 position, uint sample_index, uint length, vec3 value, vec2 u) {
     float weight = 1.0;
