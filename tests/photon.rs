@@ -188,6 +188,7 @@ fn paths_end_where_they_have_to() {
                     width: SIZE,
                     height: SIZE,
                     max_depth: Some(max_depth),
+                    lengths: max_depth + 1,
                     seed,
                     ..settings(&scene, technique, Backend::Bvh)
                 };
@@ -195,7 +196,13 @@ fn paths_end_where_they_have_to() {
             };
             let truth = film("path", 1000, 4096);
             for technique in BOTH {
-                assert_off(&format!("{technique}, {max_depth} segments"), &film(technique, 1, 256), &truth, 0.015);
+                let found = film(technique, 1, 256);
+                assert_off(&format!("{technique}, {max_depth} segments"), &found, &truth, 0.015);
+                let longer = found.length(max_depth as usize);
+                assert!(
+                    longer.pixels.iter().all(|pixel| *pixel == [0.0; 3]),
+                    "{technique}: more than {max_depth} segments"
+                );
             }
         }
     });

@@ -23,7 +23,9 @@ bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint 
     uint segments = path.depth + 1u;
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b) && (PARAM0 == DIRECT_PHOTONS || segments > 1u)) {
-        keep_photon(kept, Photon(v.at.position, path.ray.direction, v.at.normal, power * path.throughput, segments), met, path.random);
+        // A mask thins out photons and the paths that gather them: once is what it should be.
+        vec3 arrived = power * path.throughput / surface_opacity(v.surface, v.at.uv);
+        keep_photon(kept, Photon(v.at.position, path.ray.direction, v.at.normal, arrived, segments), met, path.random);
         met += 1u;
     }
     // The camera's own segment, and one to the next photon.
