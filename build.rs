@@ -85,12 +85,12 @@ fn variants() -> Vec<Variant> {
         .collect();
     all.extend(lean);
     // Techniques with their names, for tests/layout.rs.
-    for (name, defines) in [("path", None), ("bdpt", Some(String::from("PASS_LIGHT")))] {
+    for (name, defines) in [("path", None), ("bdpt", Some("PASS_LIGHT")), ("photon", Some("PASS_CAMERA"))] {
         all.extend(backend::BACKENDS.iter().map(|backend| Variant {
             name: format!("test/{name}.{}", backend.name),
             file: format!("integrators/{name}.glsl"),
             backend,
-            defines: defines.iter().cloned().collect(),
+            defines: defines.iter().map(|define| String::from(*define)).collect(),
             optimised: false,
         }));
     }

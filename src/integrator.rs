@@ -3,6 +3,8 @@
 //! A technique is one row here and one file in `shaders/integrators/`. `build.rs` reads the same table and compiles every
 //! row, pass and backend; the command line, the tests and the documentation iterate it.
 
+use crate::layout::{PHOTON_BYTES, PHOTONS_OF_PATH};
+
 /// What transport a technique accounts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solves {
@@ -19,15 +21,34 @@ pub enum Bias {
     Unbiased,
     /// It is not, however many samples are taken; the text says what is missing.
     Biased(&'static str),
+    /// It is not at any number of samples, but becomes so as that grows; the text says what is wrong until then.
+    Consistent(&'static str),
 }
 
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
-    /// The pixels of the image, each with a run of samples; a part of them in each frame.
+    /// The pixels of the image, each with a run of samples; a part of them in each frame. One that comes after a pass over
+    /// anything else begins a stage: its first frame waits until that has seen what all frames left.
     Pixels,
     /// All pixels, once they have all had their run of samples.
     Image,
+    /// All places for vertices of light paths, likewise ([`Kept::Grid`]).
+    LightVertices,
+    /// All cells of the grid, likewise.
+    Cells,
+}
+
+/// What is kept of paths from the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// Nothing.
+    Nothing,
+    /// The vertices of each path, for the path from the camera of the same pixel and sample.
+    Paths,
+    /// Vertices of all paths of one sample, for all its paths from the camera to find in a grid: bytes of one, and how many of a
+    /// path.
+    Grid(u32, u32),
 }
 
 /// One dispatch of a technique's frame.
@@ -78,8 +99,8 @@ pub struct Integrator {
     pub rr_depth: u32,
     /// Whether its samples reach pixels as splats: then its last pass is [`RESOLVE`].
     pub splats: bool,
-    /// Whether it keeps the vertices of a light path for each sample.
-    pub light_vertices: bool,
+    /// What it keeps of paths from the lights.
+    pub kept: Kept,
     /// What it cannot find, where that depends on the scene.
     pub misses: Option<&'static str>,
     /// Whether it sees lights that no direction hits by chance: points, spots, parallel light.
@@ -93,6 +114,14 @@ const PIXELS: &[Pass] = &[Pass { name: "pixels", over: Over::Pixels }];
 /// The pass that adds splats to the film.
 const RESOLVE: Pass = Pass { name: "resolve", over: Over::Image };
 
+/// The passes that put the vertices of light paths into the grid, see `shaders/lib/grid_main.glsl`.
+const GRID: [Pass; 4] = [
+    Pass { name: "grid-clear", over: Over::Cells },
+    Pass { name: "grid-count", over: Over::LightVertices },
+    Pass { name: "grid-allot", over: Over::Cells },
+    Pass { name: "grid-fill", over: Over::LightVertices },
+];
+
 /// Every technique.
 pub const INTEGRATORS: &[Integrator] = &[
     Integrator {
@@ -104,7 +133,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Unbiased,
         rr_depth: 5,
         splats: false,
-        light_vertices: false,
+        kept: Kept::Nothing,
         misses: None,
         sees_delta_lights: true,
         parameters: &[Parameter {
@@ -122,7 +151,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Unbiased,
         rr_depth: 1,
         splats: false,
-        light_vertices: false,
+        kept: Kept::Nothing,
         misses: None,
         sees_delta_lights: false,
         parameters: &[
@@ -148,7 +177,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Unbiased,
         rr_depth: 5,
         splats: false,
-        light_vertices: false,
+        kept: Kept::Nothing,
         misses: None,
         sees_delta_lights: true,
         parameters: &[],
@@ -162,7 +191,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Unbiased,
         rr_depth: 5,
         splats: true,
-        light_vertices: false,
+        kept: Kept::Nothing,
         misses: Some("the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"),
         sees_delta_lights: true,
         parameters: &[],
@@ -176,7 +205,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Unbiased,
         rr_depth: 5,
         splats: true,
-        light_vertices: true,
+        kept: Kept::Paths,
         misses: None,
         sees_delta_lights: true,
         parameters: &[Parameter {
@@ -185,7 +214,58 @@ pub const INTEGRATORS: &[Integrator] = &[
             values: Values::Choice(&["power", "balance", "none"]),
         }],
     },
+    Integrator {
+        name: "photon",
+        title: "progressive photon mapping",
+        file: "photon.glsl",
+        passes: &[
+            Pass { name: "light", over: Over::Pixels },
+            GRID[0],
+            GRID[1],
+            GRID[2],
+            GRID[3],
+            Pass { name: "camera", over: Over::Pixels },
+        ],
+        solves: Solves::Everything,
+        bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
+        rr_depth: 5,
+        splats: false,
+        kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
+        misses: None,
+        sees_delta_lights: true,
+        parameters: &[
+            Parameter {
+                name: "direct",
+                about: "what brings light that was scattered once: next-event estimation, or photons like all other",
+                values: Values::Choice(&["nee", "photons"]),
+            },
+            Parameter {
+                name: "radius",
+                about: "within which the first sample gathers photons, as a share of the scene's radius",
+                values: Values::Number(1e-6, 1.0, 0.01),
+            },
+            Parameter {
+                name: "alpha",
+                about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
+                values: Values::Number(0.0, 1.0, 2.0 / 3.0),
+            },
+        ],
+    },
 ];
+
+impl Integrator {
+    /// The stage of each pass: a pass over pixels begins another one where the pass before it was not over pixels.
+    pub fn stages(&self) -> Vec<u32> {
+        let mut stage = 0;
+        let mut before = Over::Pixels;
+        let mut next = |pass: &Pass| {
+            stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
+            before = pass.over;
+            stage
+        };
+        self.passes.iter().map(&mut next).collect()
+    }
+}
 
 /// The row of that name.
 pub fn find(name: &str) -> Option<&'static Integrator> {

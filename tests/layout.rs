@@ -8,8 +8,9 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 8] = [
+const MODULES: [&str; 9] = [
     "test/bdpt.bvh",
+    "test/photon.bvh",
     "test/path.bvh",
     "test/path.ray-query",
     "test/trace.bvh",

@@ -30,8 +30,8 @@ fn scenes() -> Vec<(String, Scene)> {
     names.into_iter().map(|name| (name.clone(), canon(&name, &[]))).collect()
 }
 
-/// What the film and its companions take.
-const FILM: [&str; 5] = ["film", "film by path length", "tally", "splats", "light paths"];
+/// What the film and its companions take, and what techniques keep of paths from the lights.
+const FILM: [&str; 7] = ["film", "film by path length", "tally", "splats", "light paths", "grid cells", "grid places"];
 
 /// Settings that make every kind of buffer there is.
 fn with_layers(scene: &Scene, backend: Backend) -> Settings {
@@ -102,6 +102,30 @@ fn rendering_takes_what_is_predicted() {
                 let film = u64::from(settings.width) * u64::from(settings.height) * 48;
                 assert!(predicted.parts.iter().any(|part| part.name == "film" && part.bytes == film));
                 compare_peak(&predicted, taken, name);
+            }
+        }
+    });
+}
+
+/// What techniques keep of paths from the lights, exactly: all buffers together are what the renderer holds.
+#[test]
+fn paths_from_the_lights_take_what_is_predicted() {
+    let scene = canon("cornell.xml", &[]);
+    with_gpu(|gpu| {
+        for technique in ["light", "bdpt", "photon"] {
+            for (size, lengths, max_depth) in [(64, 0, None), (200, 3, Some(4)), (24, 0, Some(1)), (1300, 0, None)] {
+                let plain = settings(&scene, technique, Backend::Bvh);
+                let settings = Settings { width: size, height: size, lengths, max_depth, ..plain };
+                let predicted = Prediction::of(&scene, &settings, Some(gpu)).unwrap();
+                let before = gpu.bytes_in_use();
+                let renderer = Renderer::new(gpu, &scene, &settings).unwrap();
+                let taken = gpu.bytes_in_use() - before;
+                let nodes =
+                    |parts: Vec<(&str, u64)>| parts.iter().find(|part| part.0 == "nodes").map_or(0, |part| part.1);
+                let estimate = nodes(predicted.parts.iter().map(|part| (part.name, part.bytes)).collect());
+                let exact = predicted.total - estimate + nodes(renderer.scene().bytes());
+                println!("{technique}, {size} pixels square: {taken}, predicted {exact}");
+                assert_eq!(taken, exact, "{technique}, {size} pixels square: {:?}", predicted.parts);
             }
         }
     });

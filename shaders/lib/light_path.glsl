@@ -5,6 +5,9 @@
 // Random numbers of light paths begin here: no path from the camera comes so far.
 const uint LIGHT_DIMENSION = 0x10000u;
 
+// Light paths in each sample of the image.
+float light_path_count() { return float(frame.light_path_count); }
+
 // A path from the lights before its first segment; `power` goes apart from the throughput, which begins at 1.
 Path light_path_begin(uint pixel, uint sample_index, out EmittedRay emitted) {
     Path path;

@@ -52,9 +52,6 @@ void splat_sample(Pixel pixel, Estimate e) {
     for (uint i = 0u; i < LENGTH_LAYERS; i++) splat(pixel.index, pixel.sample_index, i + 1u, e.by_length[i] * pixel.filter_weight);
 }
 
-// The image has as many light paths in each sample as pixels.
-float light_path_count() { return float(frame.width) * float(frame.height); }
-
 // The pixel of a position in the image by the pixel filter, whose weight multiplies `value`; NONE beside the image: what falls
 // there is lost, as it is for the camera.
 uint splat_pixel(vec2 position, vec2 u, inout vec3 value) {

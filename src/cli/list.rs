@@ -15,6 +15,7 @@ pub(super) fn run() -> Result<()> {
         let bias = match row.bias {
             Bias::Unbiased => String::from("unbiased"),
             Bias::Biased(why) => format!("biased ({why})"),
+            Bias::Consistent(why) => format!("consistent ({why})"),
         };
         let mut blind =
             String::from(if row.sees_delta_lights { "" } else { "; does not see point, spot and directional lights" });

@@ -152,6 +152,10 @@ shared_constants! {
     pub const BIDIRECTIONAL_LENGTH = 16;
     /// Bytes of one [`super::LightVertex`].
     pub const LIGHT_VERTEX_BYTES = 80;
+    /// Bytes of one [`super::Photon`].
+    pub const PHOTON_BYTES = 52;
+    /// Photons that are kept of one path; of a longer one they are a random choice.
+    pub const PHOTONS_OF_PATH = 8;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;
     /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.

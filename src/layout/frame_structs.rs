@@ -21,6 +21,16 @@ shared_structs! {
         light_paths: uvec2,
         /// Vertices that a light path has room for.
         light_vertices: uint,
+        /// Paths from the lights in each sample of the image.
+        light_path_count: uint,
+        /// Device address of the grid that holds the vertices of light paths: the number of places taken, then [`GridCell`]s.
+        grid_cells: uvec2,
+        /// Device address of those places: indices of vertices, path by path, `light_vertices` for each.
+        grid_places: uvec2,
+        /// Cells of the grid, a power of two.
+        grid_cell_count: uint,
+        /// Within which this sample looks for vertices of light paths.
+        merge_radius: float,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
         /// Slots of this dispatch.
@@ -73,6 +83,28 @@ shared_structs! {
         segments: uint,
         /// Absorption of the medium that light came through, 1/m.
         absorption: vec3,
+    }
+
+    /// Power that has arrived at a surface.
+    pub struct Photon {
+        /// Where.
+        position: vec3,
+        /// Unit direction in which it came.
+        direction: vec3,
+        /// Unit geometric normal of the surface.
+        normal: vec3,
+        /// Power over the density of the path, W.
+        power: vec3,
+        /// Segments from the light to it.
+        segments: uint,
+    }
+
+    /// A cell of the grid that holds the vertices of light paths.
+    pub struct GridCell {
+        /// Its first place.
+        first: uint,
+        /// How many there are.
+        count: uint,
     }
 
     /// A sample that was not finite: where it was.

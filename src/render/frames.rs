@@ -16,6 +16,20 @@ pub(super) struct Frame {
     pub slots: u32,
     pub first_sample: u32,
     pub samples: u32,
+    /// Stages that it goes through.
+    pub first_stage: u32,
+    pub stages: u32,
+}
+
+impl Frame {
+    /// Nothing to do, in every stage.
+    pub const NOTHING: Self =
+        Self { first_slot: 0, slots: 0, first_sample: 0, samples: 0, first_stage: 0, stages: u32::MAX };
+
+    /// Whether it goes through that stage.
+    pub fn has_stage(&self, stage: u32) -> bool {
+        stage >= self.first_stage && stage - self.first_stage < self.stages
+    }
 }
 
 /// What bounds frames besides time.
@@ -32,19 +46,22 @@ pub(super) struct Room {
 }
 
 /// How far a rendering is, and how large its next frame is. A pass gives all slots the same number of samples; a slow
-/// device takes several frames over one pass, a fast one several samples per pass.
+/// device takes several frames over one pass, a fast one several samples per pass. Where a pass has stages, all slots go
+/// through one before any begins the next: in frames of its own, or, where one frame has all slots, in that.
 #[derive(Clone, Debug)]
 pub(super) struct FramePlan {
     width: u32,
     height: u32,
     slots: u32,
+    stages: u32,
     room: Room,
     /// Samples that all slots have.
     done: u32,
-    /// Slots that have the current pass already, and the samples of that pass.
+    /// Stage of the current pass, slots that are through it already, and the samples of that pass.
+    stage: u32,
     cursor: u32,
     pass: u32,
-    /// Pixel samples that fit into a frame, by the last one's speed.
+    /// Pixel samples of a stage that fit into a frame, by the last one's speed.
     capacity: u64,
 }
 
@@ -54,39 +71,43 @@ pub(super) fn slots(width: u32, height: u32) -> u64 {
 }
 
 impl FramePlan {
-    pub fn new(width: u32, height: u32, room: Room) -> Self {
+    pub fn new(width: u32, height: u32, stages: u32, room: Room) -> Self {
         let slots = slots(width, height) as u32; // checked before anything is allocated
-        Self { width, height, slots, room, done: 0, cursor: 0, pass: 0, capacity: FIRST }
+        Self { width, height, slots, stages, room, done: 0, stage: 0, cursor: 0, pass: 0, capacity: FIRST }
     }
 
     /// The same plan at its beginning; what it knows of the speed stays.
     pub fn restarted(&self) -> Self {
-        Self { done: 0, cursor: 0, pass: 0, ..self.clone() }
+        Self { done: 0, stage: 0, cursor: 0, pass: 0, ..self.clone() }
     }
 
     /// The next frame, or nothing once all slots have `target` samples.
     pub fn next(&self, target: u32) -> Option<Frame> {
-        if self.cursor == 0 && self.done >= target {
+        let begins = self.stage == 0 && self.cursor == 0;
+        if begins && self.done >= target {
             return None;
         }
         let capacity = self.capacity.min(self.room.paths);
-        let samples = if self.cursor > 0 {
-            self.pass
-        } else {
-            let fit = (capacity / u64::from(self.slots)).max(1);
+        let through_all = capacity / u64::from(self.stages);
+        let samples = if begins {
+            let fit = (through_all / u64::from(self.slots)).max(1);
             u32::try_from(fit).unwrap_or(u32::MAX).min(self.room.samples).min(target - self.done)
+        } else {
+            self.pass
         };
         // Whole workgroups; as many as there is room for, and one at least.
         let wanted = (capacity / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
         let fit = wanted.min(self.room.paths / u64::from(samples) / u64::from(WORKGROUP) * u64::from(WORKGROUP));
         let slots =
             u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.room.slots).min(self.slots - self.cursor);
-        Some(Frame { first_slot: self.cursor, slots, first_sample: self.done, samples })
+        let fits = slots == self.slots && u64::from(slots) * u64::from(samples) <= through_all;
+        let (first_stage, stages) = if begins && fits { (0, self.stages) } else { (self.stage, 1) };
+        Some(Frame { first_slot: self.cursor, slots, first_sample: self.done, samples, first_stage, stages })
     }
 
     /// Takes note of a frame that has been run.
     pub fn done(&mut self, frame: Frame, took: Duration) {
-        let work = u64::from(frame.slots) * u64::from(frame.samples);
+        let work = u64::from(frame.slots) * u64::from(frame.samples) * u64::from(frame.stages);
         let fit = work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6);
         // Speed differs across an image: follow it, but not in one leap.
         self.capacity =
@@ -94,8 +115,12 @@ impl FramePlan {
         self.pass = frame.samples;
         self.cursor += frame.slots;
         if self.cursor >= self.slots {
-            self.done += self.pass;
             self.cursor = 0;
+            self.stage += frame.stages;
+        }
+        if self.stage >= self.stages {
+            self.stage = 0;
+            self.done += self.pass;
         }
     }
 
@@ -103,8 +128,8 @@ impl FramePlan {
         self.room
     }
 
-    /// Whether this frame ends a pass: all slots have its samples then.
-    pub fn ends_pass(&self, frame: Frame) -> bool {
+    /// Whether this frame ends its stages: all slots are through them then.
+    pub fn ends_stages(&self, frame: Frame) -> bool {
         frame.first_slot + frame.slots >= self.slots
     }
 
@@ -113,7 +138,8 @@ impl FramePlan {
     }
 
     pub fn progress(&self) -> f64 {
-        f64::from(self.done) + f64::from(self.pass) * f64::from(self.cursor) / f64::from(self.slots)
+        let stages = f64::from(self.stage) + f64::from(self.cursor) / f64::from(self.slots);
+        f64::from(self.done) + f64::from(self.pass) * stages / f64::from(self.stages)
     }
 
     /// Samples of each pixel, row by row.
@@ -124,7 +150,8 @@ impl FramePlan {
         }
         let count = |x: u32, y: u32| {
             let slot = (y / 8 * tiles_across + x / 8) * 64 + y % 8 * 8 + x % 8;
-            u64::from(self.done) + if slot < self.cursor { u64::from(self.pass) } else { 0 }
+            let has_pass = self.stage + 1 == self.stages && slot < self.cursor;
+            u64::from(self.done) + if has_pass { u64::from(self.pass) } else { 0 }
         };
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| count(x, y))).collect()
     }
@@ -140,7 +167,7 @@ mod tests {
     #[test]
     fn every_sample_is_taken_once() {
         for microseconds in [1, 900, 130_000, 7_000_000] {
-            let mut plan = FramePlan::new(37, 21, FREE);
+            let mut plan = FramePlan::new(37, 21, 1, FREE);
             let slots = plan.slots as usize;
             let mut next_sample = vec![0; slots];
             while let Some(frame) = plan.next(50) {
@@ -159,12 +186,12 @@ mod tests {
     #[test]
     fn frames_keep_to_their_room() {
         let room = Room { slots: 256, samples: 3, paths: 640, whole_passes: true };
-        let mut plan = FramePlan::new(24, 24, room);
+        let mut plan = FramePlan::new(24, 24, 1, room);
         let (mut passes, mut taken) = (0, 0);
         while let Some(frame) = plan.next(7) {
             assert!(frame.slots <= 256 && frame.samples <= 3 && frame.slots * frame.samples <= 640, "{frame:?}");
             taken += frame.slots * frame.samples;
-            passes += u32::from(plan.ends_pass(frame));
+            passes += u32::from(plan.ends_stages(frame));
             plan.done(frame, Duration::from_micros(1));
             assert_eq!(plan.counts(), vec![u64::from(plan.done); 24 * 24]);
         }
@@ -172,9 +199,39 @@ mod tests {
         assert!(passes >= 3);
     }
 
+    /// Whatever the speed, all slots are through a stage before any begins the next, and each is in it once.
+    #[test]
+    fn stages_follow_each_other() {
+        for microseconds in [1, 900, 130_000, 7_000_000] {
+            let mut plan = FramePlan::new(37, 21, 3, FREE);
+            let slots = plan.slots as usize;
+            let mut reached = vec![(0, 0); slots];
+            while let Some(frame) = plan.next(20) {
+                for stage in (0..3).filter(|stage| frame.has_stage(*stage)) {
+                    for slot in frame.first_slot..frame.first_slot + frame.slots {
+                        assert_eq!(reached[slot as usize], (frame.first_sample, stage));
+                        reached[slot as usize] = if stage < 2 {
+                            (frame.first_sample, stage + 1)
+                        } else {
+                            (frame.first_sample + frame.samples, 0)
+                        };
+                    }
+                    if plan.ends_stages(frame) {
+                        assert!(reached.iter().all(|at| *at == reached[0]));
+                    }
+                }
+                let work = u64::from(frame.slots * frame.samples * frame.stages);
+                plan.done(frame, Duration::from_micros(microseconds * work / 100));
+                assert!(plan.counts().iter().zip(plan.counts().iter().skip(1)).all(|(a, b)| a.abs_diff(*b) <= 20));
+            }
+            assert_eq!(reached, vec![(20, 0); slots]);
+            assert!((plan.progress() - 20.0).abs() < 1e-9);
+        }
+    }
+
     #[test]
     fn counts_tell_an_unfinished_pass() {
-        let mut plan = FramePlan::new(16, 8, FREE);
+        let mut plan = FramePlan::new(16, 8, 1, FREE);
         plan.capacity = 64;
         let frame = plan.next(1).unwrap();
         assert_eq!((frame.slots, frame.samples), (64, 1));

@@ -234,6 +234,8 @@ impl Table {
         let scratch = ScratchSize::of(settings);
         self.add("splats", scratch.splat_bytes.max(4), true);
         self.add("light paths", scratch.light_path_bytes.max(4), true);
+        self.add("grid cells", scratch.cell_bytes.max(4), true);
+        self.add("grid places", scratch.place_bytes.max(4), true);
     }
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {

@@ -7,6 +7,7 @@
 mod frames;
 mod kernel;
 mod memory;
+mod merge_radius;
 mod probe;
 mod scratch;
 mod settings;
@@ -30,6 +31,7 @@ use crate::strategies::Strategy;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
+use merge_radius::MergeRadius;
 use scratch::Scratch;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
@@ -50,15 +52,15 @@ pub struct Seconds {
     pub device: f64,
 }
 
-/// A frame without work.
-const NOTHING: Frame = Frame { first_slot: 0, slots: 0, first_sample: 0, samples: 0 };
-
 /// One scene, technique and backend on one device.
 pub struct Renderer {
     gpu: Gpu,
     settings: Settings,
     /// The row's passes in order; the first one's scene is that of all.
     passes: Vec<(Over, Kernel)>,
+    /// The stage of each.
+    stages: Vec<u32>,
+    merge_radius: MergeRadius,
     scratch: Scratch,
     film: Buffer,
     layers: Buffer,
@@ -93,6 +95,7 @@ impl Renderer {
         let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
         let scratch = Scratch::new(gpu, settings)?;
+        let stages = row.stages();
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -104,7 +107,14 @@ impl Renderer {
                 pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES,
             )?,
             tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
-            plan: FramePlan::new(settings.width, settings.height, scratch.size.room(gpu.limits().max_workgroups)),
+            plan: FramePlan::new(
+                settings.width,
+                settings.height,
+                stages.last().map_or(1, |last| last + 1),
+                scratch.size.room(gpu.limits().max_workgroups),
+            ),
+            stages,
+            merge_radius: MergeRadius::of(&settings.technique, scene.radius()),
             seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
             passes,
             scratch,
@@ -112,7 +122,7 @@ impl Renderer {
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
-        renderer.dispatch(NOTHING, true)?;
+        renderer.dispatch(Frame::NOTHING, true)?;
         renderer.seconds.compile = compile_seconds + started.elapsed().as_secs_f64();
         Ok(renderer)
     }
@@ -121,7 +131,7 @@ impl Renderer {
     pub fn advance(&mut self, target: u32) -> Result<bool> {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
         let started = Instant::now();
-        let device = self.dispatch(frame, self.plan.ends_pass(frame))?;
+        let device = self.dispatch(frame, self.plan.ends_stages(frame))?;
         let wall = started.elapsed();
         self.plan.done(frame, wall);
         self.seconds.render += wall.as_secs_f64();
@@ -149,7 +159,7 @@ impl Renderer {
         for (_, kernel) in &mut self.passes {
             kernel.remake(&self.gpu)?;
         }
-        self.dispatch(NOTHING, true).map(drop)
+        self.dispatch(Frame::NOTHING, true).map(drop)
     }
 
     /// Samples that every pixel has.
@@ -202,9 +212,9 @@ impl Renderer {
         Ok(film)
     }
 
-    /// Runs a part of the image, and where it ends a pass what runs over all of it; takes in what was counted. The time is the
-    /// device's.
-    fn dispatch(&mut self, frame: Frame, ends_pass: bool) -> Result<Duration> {
+    /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
+    /// time is the device's.
+    fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
         let constants = FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
@@ -212,6 +222,11 @@ impl Renderer {
             splats: address(self.scratch.splats.address()),
             light_paths: address(self.scratch.light_paths.address()),
             light_vertices: self.scratch.size.vertices,
+            light_path_count: self.scratch.size.light_paths,
+            grid_cells: address(self.scratch.grid_cells.address()),
+            grid_places: address(self.scratch.grid_places.address()),
+            grid_cell_count: self.scratch.size.cells,
+            merge_radius: self.merge_radius.at(frame.first_sample),
             first_slot: frame.first_slot,
             slot_count: frame.slots,
             first_sample: frame.first_sample,
@@ -221,19 +236,25 @@ impl Renderer {
             seed: self.settings.seed,
         };
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
-        let Frame { first_slot, slots, first_sample, samples } = frame;
+        let Frame { first_slot, slots, first_sample, samples, .. } = frame;
         let work =
             format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
         // A frame of nothing makes CPU devices compile.
-        let all = if samples > 0 { frames::slots(self.settings.width, self.settings.height) as u32 } else { 0 };
+        let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
+        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
+        let stages = &self.stages;
         let took = self.gpu.run(&name, &work, |commands| {
             commands.clear(tally);
-            for (over, kernel) in passes {
+            for ((over, kernel), stage) in passes.iter().zip(stages) {
+                if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
+                    continue;
+                }
                 let (first, count) = match over {
                     Over::Pixels => (first_slot, slots),
-                    Over::Image if ends_pass => (0, all),
-                    Over::Image => continue,
+                    Over::Image => whole(all),
+                    Over::LightVertices => whole(size.places()),
+                    Over::Cells => whole(size.cells),
                 };
                 let mut start = first;
                 loop {

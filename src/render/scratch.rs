@@ -1,22 +1,28 @@
-//! What techniques with paths from the lights need besides the film: planes of splats, and the vertices of light paths. Both are
-//! bounded whatever the image's size: a frame is cut so that it fits.
+//! What techniques with paths from the lights need besides the film: planes of splats, the vertices of light paths, and a grid to
+//! find these in. All are bounded whatever the image's size: a frame is cut so that it fits, or a sample has fewer light paths.
 
 use super::frames::{Room, slots};
 use super::settings::Settings;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{BIDIRECTIONAL_LENGTH, LIGHT_VERTEX_BYTES, LightVertex, WORKGROUP};
+use crate::integrator::Kept;
+use crate::layout::{BIDIRECTIONAL_LENGTH, GridCell, LIGHT_VERTEX_BYTES, LightVertex, PHOTON_BYTES, Photon, WORKGROUP};
 
 /// Bytes of splats that more than one sample per frame may take.
 const SPLAT_BYTES: u64 = 64 << 20;
 /// Bytes of light paths that more than the least frame may take.
 const LIGHT_PATH_BYTES: u64 = 256 << 20;
+/// Cells of the grid for each light path, at least: where the radius is small, each of its few vertices is alone in a cell.
+const CELLS_OF_PATH: u64 = 2;
+/// Bytes of a vertex's place in the grid.
+const PLACE_BYTES: u64 = 4;
 /// The most samples of a frame: more planes than this save no time.
 const MOST_PLANES: u64 = 64;
 /// Bytes of one pixel of one layer of a plane: three 64-bit integers.
 const SPLAT_PIXEL_BYTES: u64 = 24;
 
 const _: () = assert!(size_of::<LightVertex>() == LIGHT_VERTEX_BYTES as usize);
+const _: () = assert!(size_of::<Photon>() == PHOTON_BYTES as usize);
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +37,13 @@ pub(super) struct ScratchSize {
     pub paths: u64,
     /// Bytes of all light paths.
     pub light_path_bytes: u64,
+    /// Cells of the grid; 0 where there is none.
+    pub cells: u32,
+    /// Bytes of the cells, and of the places that they share.
+    pub cell_bytes: u64,
+    pub place_bytes: u64,
+    /// Light paths in each sample of the image.
+    pub light_paths: u32,
 }
 
 impl ScratchSize {
@@ -38,21 +51,55 @@ impl ScratchSize {
         let row = settings.technique.row;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let plane = pixels * u64::from(settings.layers().max(1)) * SPLAT_PIXEL_BYTES;
-        let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, MOST_PLANES) } else { 0 };
-        let vertices = if row.light_vertices { light_vertices(settings.max_depth) } else { 0 };
-        let path = 4 + u64::from(vertices) * u64::from(LIGHT_VERTEX_BYTES);
+        let most_planes = if matches!(row.kept, Kept::Grid(..)) { 1 } else { MOST_PLANES };
+        let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, most_planes) } else { 0 };
+        let (vertex, vertices) = match row.kept {
+            Kept::Nothing => (0, 0),
+            Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
+            Kept::Grid(bytes, most) => (bytes, most.min(gathered(settings.max_depth))),
+        };
+        let path = 4 + u64::from(vertices) * u64::from(vertex);
         let all = slots(settings.width, settings.height) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
-        let paths = if row.light_vertices { (LIGHT_PATH_BYTES / path).max(least).min(all) } else { 0 };
-        Self { planes, splat_bytes: planes * plane, vertices, paths, light_path_bytes: paths * path }
+        let paths = match row.kept {
+            Kept::Nothing => 0,
+            Kept::Paths => (LIGHT_PATH_BYTES / path).max(least).min(all),
+            Kept::Grid(..) => (LIGHT_PATH_BYTES / path).min(pixels),
+        };
+        let has_grid = matches!(row.kept, Kept::Grid(..));
+        let cells = if has_grid { (paths * CELLS_OF_PATH).next_power_of_two() } else { 0 };
+        Self {
+            planes,
+            splat_bytes: planes * plane,
+            vertices,
+            paths,
+            light_path_bytes: paths * path,
+            cells: cells as u32,
+            cell_bytes: if has_grid { 4 + cells * size_of::<GridCell>() as u64 } else { 0 },
+            place_bytes: if has_grid { paths * u64::from(vertices) * PLACE_BYTES } else { 0 },
+            light_paths: if has_grid { paths } else { pixels } as u32,
+        }
+    }
+
+    /// Places for vertices of light paths.
+    pub fn places(&self) -> u32 {
+        (self.place_bytes / PLACE_BYTES) as u32
     }
 
     /// What it leaves of frames.
     pub fn room(&self, max_workgroups: u32) -> Room {
+        let has_grid = self.cells > 0;
         Room {
             slots: max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
-            samples: if self.planes > 0 { self.planes as u32 } else { u32::MAX },
-            paths: if self.paths > 0 { self.paths } else { u64::MAX },
+            // The grid is that of one sample.
+            samples: if has_grid {
+                1
+            } else if self.planes > 0 {
+                self.planes as u32
+            } else {
+                u32::MAX
+            },
+            paths: if self.paths > 0 && !has_grid { self.paths } else { u64::MAX },
             whole_passes: self.planes > 0,
         }
     }
@@ -60,8 +107,13 @@ impl ScratchSize {
 
 /// Vertices of a light path that a path from the camera may be connected to: the second one onwards, up to one less than the
 /// longest path has segments.
-fn light_vertices(max_depth: Option<u32>) -> u32 {
+fn connected(max_depth: Option<u32>) -> u32 {
     max_depth.unwrap_or(u32::MAX).min(BIDIRECTIONAL_LENGTH).saturating_sub(2)
+}
+
+/// Vertices of a light path that paths from the camera may meet: as many as the longest path has segments, less one.
+fn gathered(max_depth: Option<u32>) -> u32 {
+    max_depth.unwrap_or(u32::MAX).saturating_sub(1)
 }
 
 /// The buffers.
@@ -69,6 +121,8 @@ pub(super) struct Scratch {
     pub size: ScratchSize,
     pub splats: Buffer,
     pub light_paths: Buffer,
+    pub grid_cells: Buffer,
+    pub grid_places: Buffer,
 }
 
 impl Scratch {
@@ -78,6 +132,8 @@ impl Scratch {
             size,
             splats: Buffer::zeroed(gpu, "splats", size.splat_bytes)?,
             light_paths: Buffer::new(gpu, "light paths", size.light_path_bytes)?,
+            grid_cells: Buffer::new(gpu, "grid cells", size.cell_bytes)?,
+            grid_places: Buffer::new(gpu, "grid places", size.place_bytes)?,
         })
     }
 }

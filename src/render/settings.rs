@@ -4,7 +4,7 @@ use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
-use crate::integrator::{self, INTEGRATORS, Integrator, Parameter, Values};
+use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Parameter, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -211,8 +211,8 @@ impl Settings {
             ));
         }
         if self.strategies > 0 {
-            let combining = INTEGRATORS.iter().filter(|row| row.light_vertices).map(|row| row.name);
-            if !row.light_vertices {
+            let combining = INTEGRATORS.iter().filter(|row| row.kept == Kept::Paths).map(|row| row.name);
+            if row.kept != Kept::Paths {
                 return bad(format!(
                     "layers by strategy (--strategies) of {}: valid are they with {}",
                     row.name,

@@ -116,7 +116,7 @@ impl Column {
 fn bias(technique: &Technique, entry: &Entry) -> String {
     let row = technique.row;
     let mut all = Vec::new();
-    if let Bias::Biased(why) = row.bias {
+    if let Bias::Biased(why) | Bias::Consistent(why) = row.bias {
         all.push(why.to_owned());
     }
     if technique.value("form") == Some("biased") {
