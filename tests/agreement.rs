@@ -2,6 +2,8 @@
 //!
 //! A new row of the table is enrolled by itself, through what it solves and its bias.
 
+#![allow(clippy::unwrap_used)]
+
 mod common;
 
 use common::{assert_same_mean, backends, canon, render, settings, with_gpu};

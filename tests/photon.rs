@@ -66,23 +66,22 @@ fn the_mean_is_that_of_path() {
 #[test]
 fn the_error_vanishes() {
     with_gpu(|gpu| {
-        for name in ["cornell.xml", "cornell_spheres.xml"] {
-            let scene = canon(name, &[]);
-            let truth = film(gpu, &scene, "path", 1000, 16384).mean();
-            let error = |technique: &str, spp: u32| {
-                let relmse = compare(&film(gpu, &scene, technique, 1, spp).mean(), &truth).unwrap().relmse;
-                println!("{name}: {technique}, {spp} samples: relMSE {relmse:.2e}");
-                relmse
-            };
-            for technique in BOTH {
-                let errors = [8, 64, 512].map(|spp| error(technique, spp));
-                assert!(errors.is_sorted_by(|a, b| *b < 0.3 * *a), "{name}, {technique}: {errors:?}");
-                assert!(errors[2] < 0.015, "{name}, {technique}: {errors:?}");
-            }
-            let (shrinking, blurred) =
-                (error("photon:radius=0.1:alpha=0.5", 1024), error("photon:radius=0.1:alpha=1", 1024));
-            assert!(shrinking < 0.5 * blurred, "{name}: {shrinking} against {blurred}");
+        let name = "cornell_spheres.xml";
+        let scene = canon(name, &[]);
+        let truth = film(gpu, &scene, "path", 1000, 16384).mean();
+        let error = |technique: &str, spp: u32| {
+            let relmse = compare(&film(gpu, &scene, technique, 1, spp).mean(), &truth).unwrap().relmse;
+            println!("{name}: {technique}, {spp} samples: relMSE {relmse:.2e}");
+            relmse
+        };
+        for technique in BOTH {
+            let errors = [8, 64, 512].map(|spp| error(technique, spp));
+            assert!(errors.is_sorted_by(|a, b| *b < 0.3 * *a), "{name}, {technique}: {errors:?}");
+            assert!(errors[2] < 0.015, "{name}, {technique}: {errors:?}");
         }
+        let (shrinking, blurred) =
+            (error("photon:radius=0.1:alpha=0.5", 1024), error("photon:radius=0.1:alpha=1", 1024));
+        assert!(shrinking < 0.5 * blurred, "{name}: {shrinking} against {blurred}");
     });
 }
 
@@ -278,15 +277,4 @@ fn room(material: &str, light: &str) -> Scene {
     let file = folder.path().join("scene.xml");
     std::fs::write(&file, text).unwrap();
     lumbre::scene::load(&file, &LoadOptions::default()).unwrap()
-}
-
-/// A scene without light is black, and nothing is wrong with it.
-#[test]
-fn without_light_there_is_none() {
-    let scene = room("<bsdf type='diffuse'/>", "");
-    with_gpu(|gpu| {
-        for technique in BOTH {
-            assert!(film(gpu, &scene, technique, 0, 4).sums.iter().all(|sum| *sum == [0.0; 3]));
-        }
-    });
 }
