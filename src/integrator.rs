@@ -97,7 +97,7 @@ pub struct Integrator {
     pub bias: Bias,
     /// Segments after which Russian roulette may end a path, unless the scene or the command line says.
     pub rr_depth: u32,
-    /// Whether its samples reach pixels as splats: then its last pass is [`RESOLVE`].
+    /// Whether its samples reach pixels as splats: then its last pass is `resolve`.
     pub splats: bool,
     /// What it keeps of paths from the lights.
     pub kept: Kept,
