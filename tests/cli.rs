@@ -251,7 +251,7 @@ fn bad_commands_name_what_is_valid() {
         let args: Vec<&str> = ["render", &cornell].into_iter().chain(args.iter().copied()).collect();
         fails(here, &args, 2)
     };
-    assert!(render(&["-i", "bogus"]).contains("direct, path-implicit or path"));
+    assert!(render(&["-i", "bogus"]).contains("direct, path-implicit, path, light, bdpt or photon"));
     assert!(render(&["-i", "direct:sampling=bogus"]).contains("mis, emitter or bsdf"));
     assert!(render(&["-i", "direct:bogus=1"]).contains("valid are sampling"));
     assert!(render(&["-i", "path-implicit:q=2"]).contains("0 to 0.99"));
@@ -269,6 +269,8 @@ fn bad_commands_name_what_is_valid() {
     assert!(render(&["--size", "10"]).contains("WIDTHxHEIGHT"));
     assert!(render(&["--max-depth", "-2"]).contains("-1 for no limit"));
     assert!(render(&["--lengths=99"]).contains("99"));
+    assert!(render(&["--strategies"]).contains("valid are they with bdpt"));
+    assert!(render(&["--strategies=7"]).contains("1..=6"));
     assert!(render(&["--aov", "bogus", "-o", "a.exr"]).contains("variance or samples"));
     assert!(render(&["--lengths", "-o", "a.png"]).contains(".exr"));
     assert!(render(&["-o", "a.gif"]).contains(".exr or .png"));

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
+use lumbre::integrator::Kept;
 use lumbre::output::{Format, Picture, check_writable, format_of, replace_file, write_picture};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
@@ -282,7 +283,8 @@ fn settle(
     };
     if let Some(most) = args.strategies {
         let longest = settings.max_depth.map_or(most, |depth| depth.min(most));
-        if settings.max_depth != Some(longest) && !args.quiet {
+        let shortened = settings.max_depth != Some(longest) && settings.technique.row.kept == Kept::Paths;
+        if shortened && !args.quiet {
             eprintln!("note: paths end after {longest} segments, for --strategies to show all of them");
         }
         (settings.strategies, settings.max_depth) = (longest, Some(longest));
