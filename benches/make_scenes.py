@@ -382,8 +382,11 @@ def wine_glass():
 def ring():
     """A ring of height 0.5: its inner wall, of radius 1, is a cylinder up to the rounding of its edges."""
     inner, outer, height, edge = 1.0, 1.06, 0.5, 0.008
-    return lathe(join([(inner, height - edge), (inner, edge)], arc((inner + edge, edge), edge, 180, 270, 4),
-                      arc((outer - edge, edge), edge, 270, 360, 4), arc((outer - edge, height - edge), edge, 0, 90, 4),
+    # Normals at the ends of a wall lean towards the edges: rings close to these keep that from bending the whole wall.
+    heights = [edge, 2 * edge, height - 2 * edge, height - edge]
+    return lathe(join([(inner, h) for h in reversed(heights)], arc((inner + edge, edge), edge, 180, 270, 4),
+                      arc((outer - edge, edge), edge, 270, 360, 4), [(outer, h) for h in heights[1:3]],
+                      arc((outer - edge, height - edge), edge, 0, 90, 4),
                       arc((inner + edge, height - edge), edge, 90, 180, 4)[:-1]), 360)
 
 
