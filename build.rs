@@ -166,7 +166,10 @@ fn make(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path, modul
     let path =
         modules.join(format!("{}-{:016x}.spv", variant.name.replace('/', "-"), fingerprint(variant, generated)?));
     if !path.exists() {
-        write_if_changed(&path, &compile(compiler, variant, generated)?)?;
+        // Another profile's build may be at the same module: it appears whole or not at all.
+        let part = path.with_extension(format!("{}.part", std::process::id()));
+        write_if_changed(&part, &compile(compiler, variant, generated)?)?;
+        fs::rename(&part, &path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
     Ok(path)
 }
@@ -192,7 +195,8 @@ fn watch(folder: &Path) {
 fn run() -> Result<(), String> {
     let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|error| error.to_string())?);
     let generated = out.join("generated");
-    let modules = out.join("spirv");
+    // Modules are the same in every profile: in a folder beside the profiles', what `make demo` has compiled is there for `make test`.
+    let modules = out.ancestors().nth(4).unwrap_or(&out).join("spirv");
     for folder in [&generated, &modules] {
         fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
     }
