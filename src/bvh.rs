@@ -4,7 +4,7 @@
 mod chunked;
 mod partition;
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -53,6 +53,19 @@ impl Bounds {
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// A box around what the map makes of it; nothing stays nothing.
+    #[must_use]
+    pub fn transformed(self, map: &DAffine3) -> Self {
+        if self.min.x > self.max.x {
+            return Self::EMPTY;
+        }
+        let corner = |index: usize| {
+            let pick = |axis: usize| if index >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            map.transform_point3(Vec3::new(pick(0), pick(1), pick(2)).as_dvec3()).as_vec3()
+        };
+        (0..8).map(corner).fold(Self::EMPTY, Self::with_point)
     }
 
     /// The smallest box around it and a point.

@@ -99,7 +99,7 @@ impl Film {
     /// The image. With layers by path length it is their sum, rounded once, so that adding the layers up gives exactly it.
     pub fn mean(&self) -> Image {
         if self.lengths.is_empty() {
-            return self.per_pixel(|pixel| self.sums[pixel].map(|sum| sum / self.counts[pixel].max(1) as f64));
+            return self.image_of(&self.sums);
         }
         let layers: Vec<Image> = (0..self.lengths.len()).map(|layer| self.length(layer)).collect();
         self.per_pixel(|pixel| {
@@ -109,7 +109,7 @@ impl Film {
 
     /// What paths of `layer + 1` segments bring; the last layer holds all longer ones too.
     pub fn length(&self, layer: usize) -> Image {
-        self.per_pixel(|pixel| self.lengths[layer][pixel].map(|sum| sum / self.counts[pixel].max(1) as f64))
+        self.image_of(&self.lengths[layer])
     }
 
     /// The image of sums over the samples of each pixel.

@@ -3,7 +3,7 @@
 //! A technique is one row here and one file in `shaders/integrators/`. `build.rs` reads the same table and compiles every
 //! row, pass and backend; the command line, the tests and the documentation iterate it.
 
-use crate::layout::{PHOTON_BYTES, PHOTONS_OF_PATH};
+use crate::layout::{BIDIRECTIONAL_LENGTH, LIGHT_VERTEX_BYTES, PHOTON_BYTES, PHOTONS_OF_PATH};
 
 /// What transport a technique accounts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,6 +122,29 @@ const GRID: [Pass; 4] = [
     Pass { name: "grid-fill", over: Over::LightVertices },
 ];
 
+/// How strategies are weighed, see `shaders/lib/bidirectional.glsl`.
+const WEIGHTS: Parameter = Parameter {
+    name: "weights",
+    about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
+    values: Values::Choice(&["power", "balance", "none"]),
+};
+
+/// Within which paths from the camera meet vertices of light paths.
+const fn radius(default: f32) -> Parameter {
+    Parameter {
+        name: "radius",
+        about: "within which the first sample looks for light paths, as a share of the scene's radius",
+        values: Values::Number(1e-6, 1.0, default),
+    }
+}
+
+/// How that shrinks, see `src/render/merge_radius.rs`.
+const ALPHA: Parameter = Parameter {
+    name: "alpha",
+    about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
+    values: Values::Number(0.0, 1.0, 2.0 / 3.0),
+};
+
 /// Every technique.
 pub const INTEGRATORS: &[Integrator] = &[
     Integrator {
@@ -208,11 +231,39 @@ pub const INTEGRATORS: &[Integrator] = &[
         kept: Kept::Paths,
         misses: None,
         sees_delta_lights: true,
-        parameters: &[Parameter {
-            name: "weights",
-            about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
-            values: Values::Choice(&["power", "balance", "none"]),
-        }],
+        parameters: &[WEIGHTS],
+    },
+    Integrator {
+        name: "vcm",
+        title: "vertex connection and merging",
+        file: "vcm.glsl",
+        passes: &[
+            Pass { name: "light", over: Over::Pixels },
+            GRID[0],
+            GRID[1],
+            GRID[2],
+            GRID[3],
+            Pass { name: "camera", over: Over::Pixels },
+            RESOLVE,
+        ],
+        solves: Solves::Everything,
+        bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),
+        rr_depth: 5,
+        splats: true,
+        kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
+        misses: None,
+        sees_delta_lights: true,
+        parameters: &[
+            WEIGHTS,
+            Parameter {
+                name: "form",
+                about: "which strategies take part: all; bpm, merges anywhere; ppm, a merge at the camera's first vertex that is no \
+                        mirror or smooth glass; bpt, none of these",
+                values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
+            },
+            radius(0.003),
+            ALPHA,
+        ],
     },
     Integrator {
         name: "photon",
@@ -239,16 +290,8 @@ pub const INTEGRATORS: &[Integrator] = &[
                 about: "what brings light that was scattered once: next-event estimation, or photons like all other",
                 values: Values::Choice(&["nee", "photons"]),
             },
-            Parameter {
-                name: "radius",
-                about: "within which the first sample gathers photons, as a share of the scene's radius",
-                values: Values::Number(1e-6, 1.0, 0.01),
-            },
-            Parameter {
-                name: "alpha",
-                about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
-                values: Values::Number(0.0, 1.0, 2.0 / 3.0),
-            },
+            radius(0.01),
+            ALPHA,
         ],
     },
 ];

@@ -4,41 +4,21 @@
 
 mod common;
 
+use common::room::{LAMP, MATERIALS, room, scene};
 use common::{assert_same_mean, backends, canon, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::render::{Settings, Technique};
-use lumbre::scene::{LoadOptions, Scene};
+use lumbre::scene::Scene;
 
 const SIZE: u32 = 48;
 const TILE: u32 = 12;
-
-/// A scene of these Mitsuba elements.
-fn scene(elements: &str) -> Scene {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("scene.xml");
-    std::fs::write(&file, format!("<scene version='3.0.0'>{elements}</scene>")).unwrap();
-    lumbre::scene::load(&file, &LoadOptions::default()).unwrap()
-}
 
 /// A camera at (0, 1, 6) that looks at the middle of the room.
 const CAMERA: &str = "<sensor type='perspective'><float name='fov' value='40'/>
     <transform name='to_world'><lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/></transform>
     <film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/><rfilter type='box'/></film></sensor>";
 
-/// A floor, a wall that stands across it, and a block and a ball of these materials.
-fn room(block: &str, ball: &str) -> String {
-    format!(
-        "<bsdf type='twosided' id='white'><bsdf type='diffuse'><rgb name='reflectance' value='0.7, 0.6, 0.5'/></bsdf></bsdf>
-         <shape type='rectangle'><transform name='to_world'><scale value='3'/><rotate x='1' angle='-90'/></transform><ref id='white'/></shape>
-         <shape type='rectangle'><transform name='to_world'><scale value='3'/><translate z='-1.5'/></transform><ref id='white'/></shape>
-         <shape type='cube'><transform name='to_world'><scale value='0.5'/><rotate y='1' angle='30'/><translate x='-0.9' y='0.52'/></transform>{block}</shape>
-         <shape type='sphere'><point name='center' x='0.8' y='0.6' z='0.2'/><float name='radius' value='0.6'/>{ball}</shape>"
-    )
-}
-
 const MATTE: &str = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.5, 0.7'/></bsdf>";
-const LAMP: &str = "<shape type='rectangle'><transform name='to_world'><scale value='0.6'/><rotate x='1' angle='90'/>
-    <translate y='2.6'/></transform><bsdf type='diffuse'/><emitter type='area'><rgb name='radiance' value='9, 8, 7'/></emitter></shape>";
 
 /// `bdpt`, and `light` where it finds everything, against `path`, on every backend.
 fn agrees(what: &str, scene: &Scene, spp: u32) {
@@ -93,26 +73,7 @@ fn every_light() {
 /// Materials that reflect and refract in every way, lit by a lamp: shading normals, rough and smooth glass, coatings.
 #[test]
 fn every_material() {
-    let materials = [
-        ("rough metal", "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>"),
-        ("glass", "<bsdf type='dielectric'/>"),
-        ("rough glass", "<bsdf type='roughdielectric'><float name='alpha' value='0.4'/></bsdf>"),
-        ("thin glass", "<bsdf type='thindielectric'/>"),
-        ("plastic", "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.2, 0.5, 0.3'/></bsdf>"),
-        ("rough plastic", "<bsdf type='roughplastic'><float name='alpha' value='0.3'/></bsdf>"),
-        (
-            "principled",
-            "<bsdf type='principled'><rgb name='base_color' value='0.7, 0.4, 0.2'/><float name='roughness' value='0.5'/>
-             <float name='clearcoat' value='0.6'/><float name='spec_trans' value='0.5'/></bsdf>",
-        ),
-        (
-            "a blend",
-            "<bsdf type='blendbsdf'><float name='weight' value='0.4'/><bsdf type='diffuse'/>
-             <bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf></bsdf>",
-        ),
-        ("a mask", "<bsdf type='mask'><float name='opacity' value='0.4'/><bsdf type='diffuse'/></bsdf>"),
-    ];
-    for (what, material) in materials {
+    for (what, material) in MATERIALS {
         // Smooth glass between lamp and floor makes caustics that `path` finds only by running into the lamp: it is large.
         agrees(what, &scene(&[CAMERA, &room(material, material), LAMP].concat()), 96);
     }

@@ -28,20 +28,24 @@ struct Query {
     distance2: [f32; MOST],
     near_cosine: [f32; MOST],
     far_cosine: [f32; MOST],
+    merging: [f32; MOST],
 }
 
 impl Query {
     fn floats(&self) -> [f32; 64] {
         let mut all = vec![self.vertices, self.camera_density, self.emission_a, self.emission_w, self.choice_a];
-        for part in [self.to_light, self.to_camera, self.delta, self.distance2, self.near_cosine, self.far_cosine] {
+        for part in
+            [self.to_light, self.to_camera, self.delta, self.distance2, self.near_cosine, self.far_cosine, self.merging]
+        {
             all.extend(part);
         }
         all.resize(64, 0.0);
         all.try_into().unwrap()
     }
 
-    /// Densities per area with which each strategy makes the path (Veach 1997, equations 10.7 to 10.9), 0 where it cannot.
-    fn densities(&self) -> Vec<f64> {
+    /// Densities per area with which each strategy makes the path, 0 where it cannot: first those that take 0, 1, ... vertices from the
+    /// light (Veach 1997, equations 10.7 to 10.9), then merges at each vertex, where both parts come (Georgiev et al. 2012, equation 8).
+    fn densities(&self, form: &str) -> [f64; 2 * MOST] {
         let n = self.vertices as usize;
         let at = |values: &[f32; MOST], index: usize| f64::from(values[index]);
         let [camera, emission_a, emission_w, choice_a] =
@@ -65,13 +69,17 @@ impl Query {
                 emission_a * emission_w * to_near(n - 2) * later.product::<f64>()
             }
         };
-        (0..n)
-            .map(|s| {
-                let t = n - s;
-                let joins_delta = s > 0 && t > 1 && is_delta(t - 1) || s > 1 && is_delta(t);
-                if joins_delta { 0.0 } else { from_camera(t) * from_light(s) }
-            })
-            .collect()
+        let (connects, merges) = (["vcm", "bpt"].contains(&form), form != "bpt");
+        let mut all = [0.0; 2 * MOST];
+        for s in 0..n {
+            let t = n - s;
+            let joins_delta = s > 0 && t > 1 && is_delta(t - 1) || s > 1 && is_delta(t);
+            all[s] = if joins_delta || s > 0 && !connects { 0.0 } else { from_camera(t) * from_light(s) };
+        }
+        for vertex in (1..n - 1).filter(|vertex| merges && !is_delta(*vertex)) {
+            all[MOST + vertex] = from_camera(vertex + 1) * from_light(n - vertex) * at(&self.merging, vertex);
+        }
+        all
     }
 }
 
@@ -100,7 +108,7 @@ fn random_path(random: &mut Random) -> Query {
     let (to_light, to_camera) = (numbers(10.0), numbers(10.0));
     let glossy = |pdf: [f32; MOST]| std::array::from_fn(|vertex| pdf[vertex] * gloss[vertex]);
     let (to_light, to_camera) = (glossy(to_light), glossy(to_camera));
-    let (distance2, near, far) = (numbers(1e2), numbers(10.0), numbers(10.0));
+    let (distance2, near, far, merging) = (numbers(1e2), numbers(10.0), numbers(10.0), numbers(1e2));
     Query {
         vertices: (2 + (random.uniform() * 7.0) as u32) as f32,
         camera_density: random.scale(1e2),
@@ -113,6 +121,7 @@ fn random_path(random: &mut Random) -> Query {
         distance2,
         near_cosine: near.map(|value| value / 10.0),
         far_cosine: far.map(|value| value / 10.0),
+        merging,
     }
 }
 
@@ -125,26 +134,26 @@ fn weights_are_those_of_the_definition() {
     let floats: Vec<[f32; 64]> = paths.iter().map(Query::floats).collect();
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
-        for (weights, exponent) in [("power", 2.0), ("balance", 1.0), ("none", 0.0)] {
-            let settings = settings(&scene, &format!("bdpt:weights={weights}"), Backend::Bvh);
-            let probe = Probe::new(gpu, &scene, &settings, "test/strategies").unwrap();
-            let found: Vec<[f32; MOST]> = probe.run(&floats).unwrap();
-            let (mut worst, mut worst_sum) = (0.0f64, 0.0f64);
-            for (path, found) in paths.iter().zip(&found) {
-                let shares: Vec<f64> = path
-                    .densities()
-                    .iter()
-                    .map(|density| if *density > 0.0 { density.powf(exponent) } else { 0.0 })
-                    .collect();
-                let total: f64 = shares.iter().sum();
-                for (share, found) in shares.iter().zip(found) {
-                    worst = worst.max((share / total - f64::from(*found)).abs());
+        for form in ["vcm", "bpm", "bpt"] {
+            for (weights, exponent) in [("power", 2.0), ("balance", 1.0), ("none", 0.0)] {
+                let what = format!("vcm:weights={weights}:form={form}");
+                let settings = settings(&scene, &what, Backend::Bvh);
+                let probe = Probe::new(gpu, &scene, &settings, "test/strategies").unwrap();
+                let found: Vec<[f32; 2 * MOST]> = probe.run(&floats).unwrap();
+                let (mut worst, mut worst_sum) = (0.0f64, 0.0f64);
+                for (path, found) in paths.iter().zip(&found) {
+                    let shares =
+                        path.densities(form).map(|density| if density > 0.0 { density.powf(exponent) } else { 0.0 });
+                    let total: f64 = shares.iter().sum();
+                    for (share, found) in shares.iter().zip(found) {
+                        worst = worst.max((share / total - f64::from(*found)).abs());
+                    }
+                    let sum: f64 = found.iter().map(|weight| f64::from(*weight)).sum();
+                    worst_sum = worst_sum.max((sum - 1.0).abs());
                 }
-                let sum: f64 = found.iter().map(|weight| f64::from(*weight)).sum();
-                worst_sum = worst_sum.max((sum - 1.0).abs());
+                println!("{what}: off by {worst:.1e} at most, their sum by {worst_sum:.1e}");
+                assert!(worst < 1e-5 && worst_sum < 1e-5, "{what}: off by {worst}, their sum by {worst_sum}");
             }
-            println!("weights={weights}: off by {worst:.1e} at most, their sum by {worst_sum:.1e}");
-            assert!(worst < 1e-5 && worst_sum < 1e-5, "weights={weights}: off by {worst}, their sum by {worst_sum}");
         }
     });
 }

@@ -14,18 +14,11 @@ layout(local_size_x = WORKGROUP) in;
 
 // Shows the light itself to the camera: a path of one segment.
 void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
-    if (e.delta || e.distant) return;
-    vec4 u = next4(path.random);
-    CameraView view = camera_view(e.position, u.xy);
-    float cosine = dot(view.direction, e.normal);
-    if (!view.visible || cosine <= 0.0) return;
-    vec3 origin = offset_origin(e.position, distance(e.origin, e.position), e.normal, view.direction);
-    float reach = distance(view.target, origin);
-    Ray ray = Ray(origin, (view.target - origin) / reach, reach * (1.0 - gamma(8.0)));
-    // power = L pi / pdf_a
-    vec3 value = e.power * (INV_PI * cosine * view.importance / (view.distance2 * light_path_count()));
-    uint seen_by = splat_pixel(view.position, u.zw, value);
-    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * trace_transmittance(ray, rays));
+    LightView seen = light_view(e, path.random);
+    if (!seen.visible) return;
+    vec3 value = e.shown * (seen.cosine * seen.camera.importance / (seen.camera.distance2 * light_path_count()));
+    uint seen_by = splat_pixel(seen.camera.position, seen.u, value);
+    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * trace_transmittance(seen.ray, rays));
 }
 
 // Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.
@@ -47,13 +40,13 @@ bool light_path_extend(Pixel pixel, inout Path path, vec3 power, inout uint rays
         value *= view.importance / (view.distance2 * light_path_count());
         uint seen_by = view.visible && value != vec3(0.0) ? splat_pixel(view.position, u.zw, value) : NONE;
         if (seen_by != NONE) {
-            value *= segment_transmittance(vertex_camera_ray(v, view), vertex_absorption(v, b, path.absorption, local), rays);
+            value *= segment_transmittance(vertex_ray_to(v, view.direction, view.target), vertex_absorption(v, b, path.absorption, local), rays);
             splat(seen_by, pixel.sample_index, length, value);
         }
     }
     if (length >= MAX_DEPTH) return false;
     path_scatter(path, v, b, light_vertex_sample(v, b, path.ray, bsdf_u.xyz));
-    return light_path_survives(path, bsdf_u.w);
+    return path_survives(path, 1.0, bsdf_u.w);
 }
 
 void main() {
@@ -72,6 +65,6 @@ void main() {
         alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0) && light_path_extend(pixel, path, emitted.power, rays);
         if (!alive) pixel.sample_index += 1u;
     }
-    atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.x % RAY_COUNTERS], rays);
+    count_rays(rays);
 }
 #endif

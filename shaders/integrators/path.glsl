@@ -38,17 +38,9 @@ bool path_extend(inout Path path, inout Estimate e) {
     // 3. The next direction.
     path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));
 
-    // 4. Russian roulette: survive with the probability that the path still matters, which keeps throughputs near one. A
-    // constant limit below one would make them grow without bound where nearly all light is reflected. Radiance that is
-    // scaled by crossing into glass comes back when it leaves, so eta^2 takes that out of the decision.
-    float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
-    if (greatest == 0.0) return false;
-    if (path.depth >= RR_DEPTH) {
-        float survive = min(greatest * path.eta * path.eta, path.depth < ENDLESS ? 1.0 : 0.999);
-        if (bsdf_u.w >= survive) return false;
-        path.throughput /= survive;
-    }
-    return true;
+    // 4. Russian roulette. Radiance that is scaled by crossing into glass comes back when it leaves: eta^2 takes that out of the
+    // decision.
+    return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }
 
 #include "lib/pixel_main.glsl"

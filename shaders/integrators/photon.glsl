@@ -59,14 +59,7 @@ bool path_extend(inout Path path, inout Estimate e) {
     BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);
     if (!s.delta) return false;
     path_scatter(path, v, b, s);
-    float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
-    if (greatest == 0.0) return false;
-    if (path.depth >= RR_DEPTH) {
-        float survive = min(greatest * path.eta * path.eta, path.depth < ENDLESS ? 1.0 : 0.999);
-        if (bsdf_u.w >= survive) return false;
-        path.throughput /= survive;
-    }
-    return true;
+    return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }
 
 #include "lib/pixel_main.glsl"

@@ -1,18 +1,23 @@
 // Weights of the strategies that sample the same path: (s, t) has s vertices from the light and t from the camera (Veach 1997,
-// chapter 10). They are summed up along both parts as those are made (Georgiev 2012, "Implementing vertex connection and merging",
-// whose names these are), so that a connection needs no more than its two ends.
+// chapter 10), and any vertex in between can be one where both parts meet, a merge (Georgiev, Krivanek, Davidovic and Slusallek
+// 2012). They are summed up along both parts as those are made (Georgiev 2012, "Implementing vertex connection and merging", whose
+// names these are), so that a connection or a merge needs no more than its ends.
 //
-// Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale.
+// Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale. Before this is
+// included, the technique defines
+//     bool CONNECTS   strategies that join two vertices by a segment take part, next-event estimation and light tracing among them
+//     bool MERGES     merges do, within frame.merge_radius
 
 // PARAM0 of techniques that combine strategies.
 const uint WEIGHTS_POWER = 0u;   // the power heuristic, exponent 2
 const uint WEIGHTS_BALANCE = 1u; // the balance heuristic
 const uint WEIGHTS_NONE = 2u;    // all strategies that can sample the path count alike
 
-// Partial sums at a vertex of either part, over the strategies that have fewer vertices on its side.
+// Partial sums at a vertex of either part, over the strategies that have fewer vertices on its side, as ratios to a connection that
+// ends there. Where connections and merges both take part, Georgiev's third sum is d_vc over the density of merges.
 struct Partial {
     float d_vcm; // that with one less: the density of this vertex is turned round
-    float d_vc;  // the others, for connections
+    float d_vc;  // the others
 };
 
 // A bound far beyond any weight that matters: sums stay finite, and infinity never meets a factor of nothing.
@@ -29,6 +34,16 @@ float mis(float ratio) {
 
 float scaled_area(float area) { return area / (scene.radius * scene.radius); }
 
+// Light paths that a merge at a vertex finds for each that comes there per scaled area, as the heuristic takes it. A mask lets both
+// parts pass by chance, so that they meet there less often than they come.
+float merge_share(float opacity) {
+    if (!MERGES) return 0.0;
+    return mis(PI * scaled_area(frame.merge_radius * frame.merge_radius) * float(frame.light_path_count) * opacity);
+}
+
+// A term that stands for a connection.
+float connected(float ratio) { return CONNECTS ? ratio : 0.0; }
+
 // The path has arrived at a vertex: densities over solid angle become such per area there. `distance2` is the square of the
 // distance, or nothing (1 / scaled_area(1)) where the segment has no end.
 void partial_arrive(inout Partial p, float distance2, float cosine) {
@@ -37,22 +52,27 @@ void partial_arrive(inout Partial p, float distance2, float cosine) {
     partial_bound(p);
 }
 
-// The path goes on in a direction of density pdf_w; `reverse_pdf_w` is that of having come the other way.
-void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_pdf_w, bool delta) {
+// The path goes on in a direction of density pdf_w from a vertex of that opacity; `reverse_pdf_w` is that of having come the other way.
+void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_pdf_w, bool delta, float opacity) {
     if (delta) {
         p.d_vc *= mis(cosine);
         p.d_vcm = 0.0;
         return;
     }
     float there = mis(cosine / pdf_w);
-    p.d_vc = there > 0.0 ? there * (p.d_vc * mis(reverse_pdf_w) + p.d_vcm) : 0.0;
+    p.d_vc = there > 0.0 ? there * (p.d_vc * mis(reverse_pdf_w) + connected(p.d_vcm) + merge_share(opacity)) : 0.0;
     p.d_vcm = mis(1.0 / pdf_w);
     partial_bound(p);
 }
 
 // What the strategies with fewer vertices on one side of a connection weigh together: `reverse_a` is the density, per scaled area, with
-// which the other side would have sampled this side's end, `reverse_pdf_w` with which that end would then have gone on.
-float partial_sum(Partial p, float reverse_a, float reverse_pdf_w) {
+// which the other side would have sampled this side's end, of that opacity; `reverse_pdf_w` with which that end would then have gone on.
+float partial_sum(Partial p, float reverse_a, float reverse_pdf_w, float opacity) {
     float there = mis(reverse_a);
-    return there > 0.0 ? there * (p.d_vcm + p.d_vc * mis(reverse_pdf_w)) : 0.0;
+    return there > 0.0 ? there * (merge_share(opacity) + p.d_vcm + p.d_vc * mis(reverse_pdf_w)) : 0.0;
+}
+
+// The same on one side of a merge.
+float partial_merge_sum(Partial p, float reverse_pdf_w, float opacity) {
+    return (connected(p.d_vcm) + p.d_vc * mis(reverse_pdf_w)) / merge_share(opacity);
 }

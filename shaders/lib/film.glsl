@@ -71,13 +71,21 @@ void add_compensated(inout vec3 sum, inout vec3 low, vec3 x) {
     sum = folded;
 }
 
+// Counts and locates something that is not finite and is dropped.
+void report_bad_sample(uint pixel, uint sample_index) {
+    Tallies tallies = Tallies(frame.tally);
+    uint n = atomicAdd(tallies.tally.bad_samples, 1u);
+    if (n < BAD_SAMPLES) tallies.bad[n] = BadSample(pixel, sample_index);
+}
+
+// Adds rays that were traced to the host's count.
+void count_rays(uint rays) { atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.x % RAY_COUNTERS], rays); }
+
 // Ends the pixel's sample: adds it to the sums, or, if it is not finite, drops, counts and locates it.
 void sample_close(inout Pixel pixel, Estimate e) {
     vec3 x = e.radiance * pixel.filter_weight;
     if (any(isnan(x)) || any(isinf(x))) {
-        Tallies tallies = Tallies(frame.tally);
-        uint n = atomicAdd(tallies.tally.bad_samples, 1u);
-        if (n < BAD_SAMPLES) tallies.bad[n] = BadSample(pixel.index, pixel.sample_index);
+        report_bad_sample(pixel.index, pixel.sample_index);
     } else {
         add_compensated(pixel.sums.sum, pixel.sums.sum_low, x);
         precise vec3 square = x * x;
@@ -101,5 +109,5 @@ void sample_close(inout Pixel pixel, Estimate e) {
 // Writes the pixel's sums back and counts its rays.
 void pixel_close(Pixel pixel, Estimate e) {
     FilmPixels(frame.film).at[pixel.index] = pixel.sums;
-    atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.x % RAY_COUNTERS], e.rays);
+    count_rays(e.rays);
 }

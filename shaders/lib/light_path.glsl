@@ -8,23 +8,16 @@ const uint LIGHT_DIMENSION = 0x10000u;
 // Light paths in each sample of the image.
 float light_path_count() { return float(frame.light_path_count); }
 
+// Random numbers of a light path.
+Sampler light_path_random(uint index, uint sample_index) { return Sampler(index, sample_index, LIGHT_DIMENSION, frame.seed); }
+
 // A path from the lights before its first segment; `power` goes apart from the throughput, which begins at 1.
-Path light_path_begin(uint pixel, uint sample_index, out EmittedRay emitted) {
-    Path path;
-    path.random = Sampler(pixel, sample_index, LIGHT_DIMENSION, frame.seed);
-    vec4 u = next4(path.random);
-    vec4 v = next4(path.random);
+Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
+    Sampler random = light_path_random(index, sample_index);
+    vec4 u = next4(random);
+    vec4 v = next4(random);
     emitted = light_emit(u, v);
-    path.ray = Ray(emitted.origin, emitted.direction, INFINITY);
-    path.from = Receiver(path.ray.origin, vec3(0.0), false);
-    path.throughput = vec3(1.0);
-    path.absorption = vec3(0.0);
-    path.pdf_w = 1.0;
-    path.delta = false;
-    path.depth = 0u;
-    path.eta = 1.0;
-    path.cone = Cone(0.0, 0.0);
-    return path;
+    return path_along(Ray(emitted.origin, emitted.direction, INFINITY), random, false);
 }
 
 // f |cos| of light that came along the ray and leaves along `world`, for power: f takes light from where it came to where it goes,
@@ -46,14 +39,26 @@ BsdfSample light_vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
     return s;
 }
 
-// The ray that shows the vertex to the camera.
-Ray vertex_camera_ray(Vertex v, CameraView view) {
-    Ray ray = vertex_ray(v, view.direction);
-    vec3 d = view.target - ray.origin;
-    float distance = length(d);
-    ray.direction = d / distance;
-    ray.t_max = distance * (1.0 - gamma(8.0));
-    return ray;
+// How the camera sees the beginning of a light path on an area light.
+struct LightView {
+    CameraView camera;
+    Ray ray;        // to the camera
+    float cosine;   // at the light
+    vec2 u;         // chooses the pixel
+    bool visible;
+};
+
+LightView light_view(EmittedRay e, Sampler random) {
+    LightView v;
+    v.visible = false;
+    if (e.delta || e.distant) return v;
+    vec4 u = next4(random);
+    v.camera = camera_view(e.position, u.xy);
+    v.cosine = dot(v.camera.direction, e.normal);
+    v.visible = v.camera.visible && v.cosine > 0.0;
+    v.ray = ray_between(offset_origin(e.position, distance(e.origin, e.position), e.normal, v.camera.direction), v.camera.target);
+    v.u = u.zw;
+    return v;
 }
 
 // Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.
@@ -68,14 +73,13 @@ vec3 segment_transmittance(Ray ray, vec3 absorption, inout uint rays) {
     return HAS_ABSORPTION ? through * exp(-absorption * ray.t_max) : vec3(through);
 }
 
-// Russian roulette on the throughput, as `path` has it; false where the path ends.
-bool light_path_survives(inout Path path, float u) {
-    float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
-    if (greatest == 0.0) return false;
-    if (path.depth >= RR_DEPTH) {
-        float survive = min(greatest, path.depth < ENDLESS ? 1.0 : 0.999);
-        if (u >= survive) return false;
-        path.throughput /= survive;
-    }
-    return true;
+// Where to keep a vertex of a path that has `met` as many before it; NONE is nowhere. Where there are more than there is room for, those
+// kept are a uniform choice of all so far (Vitter 1985, algorithm R), so that memory is bounded and no length of path is left out.
+uint keep_place(uint met, inout Sampler random) {
+    if (met < frame.light_vertices) return met;
+    uint place = min(uint(next4(random).x * float(met + 1u)), met);
+    return place < frame.light_vertices ? place : NONE;
 }
+
+// What each vertex that is kept of so many stands for.
+float kept_share(uint met) { return max(float(met) / float(frame.light_vertices), 1.0); }

@@ -23,17 +23,15 @@ struct Path {
     Cone cone;       // how wide the path is, for mip maps
 };
 
+// A path before its first segment.
+Path path_along(Ray ray, Sampler random, bool delta) {
+    return Path(ray, Receiver(ray.origin, vec3(0.0), false), random, vec3(1.0), vec3(0.0), 1.0, delta, 0u, 1.0, Cone(0.0, 0.0));
+}
+
 Path path_begin(inout Pixel pixel, inout Estimate e) {
-    Path path;
-    path.ray = sample_open(pixel, e, path.random);
-    path.from = Receiver(path.ray.origin, vec3(0.0), false);
-    path.throughput = vec3(1.0);
-    path.absorption = vec3(0.0);
-    path.pdf_w = 1.0;
-    path.delta = true;
-    path.depth = 0u;
-    path.eta = 1.0;
-    path.cone = Cone(0.0, 0.0);
+    Sampler random;
+    Ray ray = sample_open(pixel, e, random);
+    Path path = path_along(ray, random, true);
     if (HAS_MIP_MAPS) path.cone = camera_cone(path.ray.direction);
     return path;
 }
@@ -107,6 +105,15 @@ BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
     return s;
 }
 
+// The ray from one point to just before another.
+Ray ray_between(vec3 origin, vec3 target) {
+    vec3 d = target - origin;
+    float distance = length(d);
+    return Ray(origin, d / distance, distance * (1.0 - gamma(8.0)));
+}
+
+float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv); }
+
 // The vertex as what lights shine on.
 Receiver vertex_receiver(Vertex v, Bsdf b) { return Receiver(v.at.position, v.turned * v.frame.normal, bsdf_transmits(b)); }
 
@@ -115,16 +122,12 @@ Ray vertex_ray(Vertex v, vec3 w) {
     return Ray(offset_origin(v.at.position, v.at.margin, v.at.normal, w), w, INFINITY);
 }
 
+// The same up to a target that lies off its own surface, like the origin: what is left is the rounding of t.
+Ray vertex_ray_to(Vertex v, vec3 w, vec3 target) { return ray_between(vertex_ray(v, w).origin, target); }
+
 // The ray from the vertex to the light sample.
 Ray vertex_shadow_ray(Vertex v, LightSample light) {
-    Ray ray = vertex_ray(v, light.wi);
-    if (!light.distant) {
-        vec3 d = light.target - ray.origin;
-        float distance = length(d);
-        ray.direction = d / distance;
-        ray.t_max = distance * (1.0 - gamma(8.0)); // both ends are off their surfaces; what is left is the rounding of t
-    }
-    return ray;
+    return light.distant ? vertex_ray(v, light.wi) : vertex_ray_to(v, light.wi, light.target);
 }
 
 // Share of the light sample that reaches the vertex of a path in a medium of this absorption.
@@ -162,6 +165,20 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.from.position = path.ray.origin;
     if (HAS_ABSORPTION && (b.m.flags & MATERIAL_HAS_ABSORPTION) != 0u && s.wi.z * v.wo.z < 0.0)
         path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);
+}
+
+// Russian roulette: the path survives with the probability that it still matters, which keeps throughputs near one; `scale` on its
+// throughput takes out what comes back by itself. A constant limit below one would make throughputs grow without bound where nearly all
+// light is reflected. False where the path ends.
+bool path_survives(inout Path path, float scale, float u) {
+    float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
+    if (greatest == 0.0) return false;
+    if (path.depth >= RR_DEPTH) {
+        float survive = min(greatest * scale, path.depth < ENDLESS ? 1.0 : 0.999);
+        if (u >= survive) return false;
+        path.throughput /= survive;
+    }
+    return true;
 }
 
 #include "lib/emission.glsl"

@@ -4,14 +4,6 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-// Keeps a photon of a path that has `met` before it. Where there are more than there is room for, those kept are a uniform choice of
-// all so far (Vitter 1985, algorithm R), so that memory is bounded and no length of path is left out.
-void keep_photon(PhotonPath kept, Photon y, uint met, inout Sampler random) {
-    uint place = met;
-    if (met >= frame.light_vertices) place = min(uint(next4(random).x * float(met + 1u)), met);
-    if (place < frame.light_vertices) kept.at[place] = y;
-}
-
 // Follows the path to its next vertex, keeps a photon there, and chooses the ray after it.
 bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout uint rays) {
     Hit hit;
@@ -24,14 +16,15 @@ bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint 
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b) && (PARAM0 == DIRECT_PHOTONS || segments > 1u)) {
         // A mask thins out photons and the paths that gather them: once is what it should be.
-        vec3 arrived = power * path.throughput / surface_opacity(v.surface, v.at.uv);
-        keep_photon(kept, Photon(v.at.position, path.ray.direction, v.at.normal, arrived, segments), met, path.random);
+        vec3 arrived = power * path.throughput / vertex_opacity(v);
+        uint place = keep_place(met, path.random);
+        if (place != NONE) kept.at[place] = Photon(v.at.position, path.ray.direction, v.at.normal, arrived, segments);
         met += 1u;
     }
     // The camera's own segment, and one to the next photon.
     if (MAX_DEPTH - segments < 2u) return false;
     path_scatter(path, v, b, light_vertex_sample(v, b, path.ray, bsdf_u.xyz));
-    return light_path_survives(path, bsdf_u.w);
+    return path_survives(path, 1.0, bsdf_u.w);
 }
 
 void main() {
@@ -45,9 +38,8 @@ void main() {
     bool alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0);
     while (alive) alive = light_path_extend(kept, emitted.power, path, met, rays);
     kept.count = min(met, frame.light_vertices);
-    // The ones kept stand for the others.
-    if (met > frame.light_vertices) {
-        for (uint i = 0u; i < frame.light_vertices; i++) kept.at[i].power *= float(met) / float(frame.light_vertices);
+    if (met > kept.count) {
+        for (uint i = 0u; i < kept.count; i++) kept.at[i].power *= kept_share(met);
     }
-    atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.x % RAY_COUNTERS], rays);
+    count_rays(rays);
 }

@@ -16,13 +16,6 @@ Splat splat_of(uint pixel, uint sample_index, uint layer) {
     return Splat(unpack32(pack64(frame.splats) + 24ul * index));
 }
 
-// Counts and locates something that is not finite and is dropped.
-void report_bad_sample(uint pixel, uint sample_index) {
-    Tallies tallies = Tallies(frame.tally);
-    uint n = atomicAdd(tallies.tally.bad_samples, 1u);
-    if (n < BAD_SAMPLES) tallies.bad[n] = BadSample(pixel, sample_index);
-}
-
 // Adds what a path of `length` segments brings to a pixel in this sample.
 void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     vec3 units = value / scene.splat_unit;

@@ -35,10 +35,11 @@ float background_pdf(vec3 direction) {
     return scene.background_probability * background_density(cell.y * scene.background_cells.x + cell.x, uv);
 }
 
-LightSample background_sample(vec4 u) {
+LightSample background_sample(vec3 p, vec4 u) {
     if (!has_environment()) {
         float pdf_w = scene.background_probability / (4.0 * PI);
-        return LightSample(sample_sphere(u.zw), vec3(0.0), scene.background / pdf_w, pdf_w, false, true, 1.0 / disk_area());
+        vec3 wi = sample_sphere(u.zw);
+        return LightSample(wi, vec3(0.0), scene.background / pdf_w, pdf_w, false, true, disk_pdf(p, wi));
     }
     uint count = scene.background_cells.x * scene.background_cells.y;
     uint cell = min(uint(u.x * float(count)), count - 1u);
@@ -48,18 +49,19 @@ LightSample background_sample(vec4 u) {
     vec3 wi = background_direction(uv);
     float pdf_w = scene.background_probability * background_density(cell, uv);
     return LightSample(wi, vec3(0.0), pdf_w > 0.0 ? background_radiance(wi) / pdf_w : vec3(0.0), pdf_w, false, true,
-                       1.0 / disk_area());
+                       disk_pdf(p, wi));
 }
 
-// Light paths of the background start on a disk across the direction, as wide as the scene.
+// Light paths of the background start on a disk across the direction.
 EmittedRay background_emit(vec4 u, vec4 v) {
-    LightSample s = background_sample(u.x < scene.background_probability ? vec4(u.x / scene.background_probability, u.yzw) : u);
+    LightSample s = background_sample(scene.centre, u.x < scene.background_probability ? vec4(u.x / scene.background_probability, u.yzw) : u);
     EmittedRay e = no_emission();
     if (s.pdf_w <= 0.0) return e;
     e.direction = -s.wi;
     e.origin = disk_origin(e.direction, v.xy);
-    e.power = s.weight * disk_area();
-    e.d_vc = PI / s.pdf_w; // 1 / (pdf_w / area), in squares of the scene's radius
+    e.pdf_a = disk_pdf(e.origin, e.direction);
+    e.power = s.weight / e.pdf_a;
+    e.d_vc = 1.0 / (s.pdf_w * e.pdf_a * scene.radius * scene.radius);
     e.distant = true;
     return e;
 }

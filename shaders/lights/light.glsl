@@ -45,7 +45,7 @@ vec3 light_space(Light light, vec3 w) {
 LightSample light_sample(Receiver r, vec4 u) {
     vec3 p = r.position;
     if (HAS_BACKGROUND) {
-        if (u.x < scene.background_probability) return background_sample(vec4(u.x / scene.background_probability, u.yzw));
+        if (u.x < scene.background_probability) return background_sample(p, vec4(u.x / scene.background_probability, u.yzw));
         u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
     }
     uint count = HAS_LIGHT_TREE ? scene.table_lights : light_count();
@@ -72,7 +72,7 @@ LightSample light_sample(Receiver r, vec4 u) {
     if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
     if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
     if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) s = projector_light_sample(light, p);
-    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light);
+    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light, p);
     return s;
 }
 
@@ -113,11 +113,11 @@ EmittedRay light_emit(vec4 u, vec4 v) {
 // Density with which light_sample at the receiver would have picked the beginning of a light path that arrived there, over the
 // density of that beginning, for the cosine at the receiver: in squares of the scene's radius. `distance2` lies between them.
 float light_choice_ratio(EmittedRay e, Receiver r, float distance2) {
-    if (HAS_BACKGROUND && e.light == NONE) return PI;
+    float unit = 1.0 / (scene.radius * scene.radius);
+    if (HAS_BACKGROUND && e.light == NONE) return unit / e.pdf_a;
     Light light = load_light(e.light);
     float selection = HAS_LIGHT_TREE && e.light >= scene.table_lights ? light_tree_probability(r, light.trail) : 1.0;
-    float unit = 1.0 / (scene.radius * scene.radius);
-    if (e.distant) return PI * selection * light.probability / light.emission_probability;
+    if (e.distant) return selection * light.probability * unit / (light.emission_probability * e.pdf_a);
     if (e.delta) return selection * light.probability * distance2 * unit / (light.emission_probability * e.pdf_w);
     Interaction at;
     at.position = e.position;
@@ -129,6 +129,5 @@ float light_choice_ratio(EmittedRay e, Receiver r, float distance2) {
         float area = 0.5 * length(triangle_normal(light.position, light.v1, light.v2));
         pdf_w = triangle_light_pdf(Primitive(light.position, light.v1, light.v2, 0u), r.position, at, light.probability * selection / area, wi);
     }
-    // pdf_w cos / (pdf_a cos / pi)
-    return pdf_w * PI * unit / e.pdf_a;
+    return pdf_w * e.d_vc;
 }

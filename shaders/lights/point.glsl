@@ -3,16 +3,18 @@
 LightSample point_light_sample(Light light, vec3 p) {
     vec3 d = light.position - p;
     float distance2 = dot(d, d);
-    return LightSample(d * inversesqrt(distance2), light.position, light.radiance / (light.probability * distance2), 1.0, true, false,
-                       light.emission_probability * 0.25 * INV_PI / (light.probability * distance2));
+    vec3 wi = d * inversesqrt(distance2);
+    float density = light.probability * distance2;
+    return LightSample(wi, light.position, light.radiance / density, 1.0, true, false,
+                       light.emission_probability * emission_pdf(light.position, -wi, 0.25 * INV_PI) / density);
 }
 
 EmittedRay point_light_emit(Light light, vec2 u) {
     EmittedRay e = no_emission();
     e.origin = light.position;
-    e.direction = sample_sphere(u);
-    e.power = light.radiance * (4.0 * PI / light.emission_probability);
-    e.pdf_w = 0.25 * INV_PI;
+    if (!sample_core(light.position, u, e.direction)) e.direction = sample_sphere(u);
+    e.pdf_w = emission_pdf(light.position, e.direction, 0.25 * INV_PI);
+    e.power = light.radiance / (e.pdf_w * light.emission_probability);
     e.delta = true;
     return e;
 }

@@ -1,12 +1,6 @@
 // An emitting sphere: seen from outside, sampled uniformly over the solid angle of its cone; from inside (a negative
 // radius turns its normal inwards), uniformly over its area.
 
-// 1 - cos of the half angle under which a sphere is seen, without cancellation for small and far ones.
-float sphere_cone(float radius2, float distance2) {
-    float sin2 = radius2 / distance2;
-    return sin2 / (1.0 + sqrt(max(0.0, 1.0 - sin2)));
-}
-
 // What textures leave of the radiance at a point of the sphere.
 vec3 sphere_light_factor(Light light, vec3 outward) {
     Interaction at;
@@ -24,7 +18,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     bool lit;
     vec3 position;
     float margin = margin_on_sphere(light.position, radius);
-    float emitted = light.emission_probability / (4.0 * PI * PI * radius2);
+    float emitted = light.emission_probability / (4.0 * PI * radius2); // per area
     if (radius > 0.0) {
         float cone = sphere_cone(radius2, distance2);
         float one_minus_cos = u.x * cone;
@@ -39,6 +33,8 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
         pdf_w = light.probability / (2.0 * PI * cone);
         position = light.position + abs(radius) * outward;
         lit = distance2 > radius2;
+        float cos_light = max(-dot(wi, outward), 1e-6);
+        emitted *= surface_emission_pdf(position, -wi, cos_light) / cos_light;
         if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
         return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
                            lit ? pdf_w : 0.0, false, false, lit ? emitted / pdf_w : 0.0);
@@ -51,6 +47,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
     float cos_light = dot(wi, outward);
     pdf_w = light.probability * d2 / (4.0 * PI * radius2 * cos_light);
     lit = cos_light > 0.0 && d2 > 0.0;
+    emitted *= surface_emission_pdf(position, -wi, cos_light) / cos_light;
     if (HAS_TEXTURED_LIGHTS) light.radiance *= sphere_light_factor(light, outward);
     return LightSample(wi, offset_origin(position, margin, outward, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
                        lit ? pdf_w : 0.0, false, false, lit ? emitted / pdf_w : 0.0);

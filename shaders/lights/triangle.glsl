@@ -25,8 +25,9 @@ LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {
     float pdf_w = light.probability * (by_area ? distance2 / (0.5 * area2 * cos_light) : 1.0 / solid_angle);
     bool lit = cos_light > 0.0 && distance2 > 0.0;
     if (HAS_TEXTURED_LIGHTS) light.radiance *= triangle_light_factor(light, b);
+    float emitted = surface_emission_pdf(position, -wi, cos_light) / cos_light * light.emission_probability / (0.5 * area2);
     return LightSample(wi, offset_origin(position, margin_on_triangle(normal, v0, v1, v2, position), normal, -wi), lit ? light.radiance / pdf_w : vec3(0.0),
-                       lit ? pdf_w : 0.0, false, false, lit ? light.emission_probability / (0.5 * area2 * PI * pdf_w) : 0.0);
+                       lit ? pdf_w : 0.0, false, false, lit ? emitted / pdf_w : 0.0);
 }
 
 // Density of the above where a ray from p met the emitting triangle `t`; density_a is per area, selection included.

@@ -27,10 +27,7 @@ void main() {
     Receiver r = Receiver(q.point, q.normal, false);
     LightSample s = light_sample(r, q.u);
     Ray shadow = Ray(q.point, s.wi, INFINITY);
-    if (!s.distant) {
-        float reach = distance(s.target, q.point);
-        shadow = Ray(q.point, (s.target - q.point) / reach, reach * (1.0 - gamma(8.0)));
-    }
+    if (!s.distant) shadow = ray_between(q.point, s.target);
     bool visible = s.pdf_w > 0.0 && !trace_any(shadow);
     vec4 found = emission_and_density(r, s.wi);
     vec4 asked = emission_and_density(r, q.direction);

@@ -1,7 +1,10 @@
 // The weights of all strategies for paths that are given by their densities, put together from lib/bidirectional.glsl as
-// integrators/bdpt.glsl does. Vertex 0 is the camera, the last one lies on a light; the layout of a query is tests/strategies.rs's.
+// integrators/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is tests/strategies.rs's.
 #version 460
 #include "lib/prelude.glsl"
+
+const bool CONNECTS = PARAM1 == 0u || PARAM1 == 3u; // the forms of integrators/vcm.glsl
+const bool MERGES = PARAM1 != 3u;
 #include "lib/bidirectional.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -23,6 +26,7 @@ bool is_delta(uint i) { return value(5u + 2u * MOST + i) != 0.0; }
 float distance2(uint edge) { return value(5u + 3u * MOST + edge); } // between this vertex and the next, in squares of the radius
 float near_cosine(uint edge) { return value(5u + 4u * MOST + edge); }
 float far_cosine(uint edge) { return value(5u + 5u * MOST + edge); }
+float merging(uint i) { return value(5u + 6u * MOST + i); } // density of merges, as an opacity: of one light path, in an area of one
 
 void arrive(inout Partial p, uint edge, float cosine) { partial_arrive(p, distance2(edge) * scene.radius * scene.radius, cosine); }
 
@@ -30,7 +34,7 @@ Partial from_camera(uint last) {
     Partial p = Partial(mis(1.0 / camera_density()), 0.0);
     arrive(p, 0u, far_cosine(0u));
     for (uint i = 1u; i < last; i++) {
-        partial_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i));
+        partial_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i), merging(i));
         arrive(p, i, far_cosine(i));
     }
     return p;
@@ -41,7 +45,7 @@ Partial from_light(uint n, uint last) {
     float start = emission_a() * emission_w();
     Partial p = Partial(mis(choice_a() * distance2(edge) / (start * near_cosine(edge))), mis(far_cosine(edge) / (start * near_cosine(edge))));
     for (uint i = n - 2u; i > last; i--) {
-        partial_scatter(p, far_cosine(i - 1u), to_camera(i), to_light(i), is_delta(i));
+        partial_scatter(p, far_cosine(i - 1u), to_camera(i), to_light(i), is_delta(i), merging(i));
         arrive(p, i - 1u, near_cosine(i - 1u));
     }
     return p;
@@ -50,28 +54,38 @@ Partial from_light(uint n, uint last) {
 float weight(uint n, uint s) {
     uint t = n - s;
     float seen = camera_density() * far_cosine(0u) / distance2(0u); // density of vertex 1 from the camera
-    if (n == 2u) return 1.0 / (1.0 + mis(s == 0u ? emission_a() / seen : seen / emission_a()));
+    if (n == 2u) return s == 0u ? 1.0 / (1.0 + connected(mis(emission_a() / seen))) : connected(1.0 / (1.0 + mis(seen / emission_a())));
     if (s == 0u) {
         Partial p = from_camera(n - 1u);
-        return 1.0 / (1.0 + p.d_vcm * mis(choice_a()) + p.d_vc * mis(emission_a() * emission_w()));
+        return 1.0 / (1.0 + connected(p.d_vcm) * mis(choice_a()) + p.d_vc * mis(emission_a() * emission_w()));
     }
     uint edge = t - 1u;
-    if (t > 1u && is_delta(t - 1u) || s > 1u && is_delta(t)) return 0.0;
+    if (!CONNECTS || t > 1u && is_delta(t - 1u) || s > 1u && is_delta(t)) return 0.0;
     if (s == 1u) {
         float found = is_delta(t - 1u) ? 0.0 : to_light(t - 1u) * far_cosine(edge) / (distance2(edge) * choice_a());
         float reverse = emission_a() * emission_w() * near_cosine(edge) / (distance2(edge) * choice_a());
-        return 1.0 / (1.0 + mis(found) + partial_sum(from_camera(t - 1u), reverse, to_camera(t - 1u)));
+        return 1.0 / (1.0 + mis(found) + partial_sum(from_camera(t - 1u), reverse, to_camera(t - 1u), merging(t - 1u)));
     }
     Partial y = from_light(n, t);
-    if (t == 1u) return 1.0 / (1.0 + partial_sum(y, seen, to_light(t)));
+    if (t == 1u) return 1.0 / (1.0 + partial_sum(y, seen, to_light(t), merging(t)));
     float light_side = to_camera(t) * near_cosine(edge) / distance2(edge);
     float camera_side = to_light(t - 1u) * far_cosine(edge) / distance2(edge);
-    return 1.0 / (1.0 + partial_sum(from_camera(t - 1u), light_side, to_camera(t - 1u)) + partial_sum(y, camera_side, to_light(t)));
+    return 1.0 / (1.0 + partial_sum(from_camera(t - 1u), light_side, to_camera(t - 1u), merging(t - 1u)) +
+                  partial_sum(y, camera_side, to_light(t), merging(t)));
+}
+
+// Of the merge at vertex i.
+float merge_weight(uint n, uint i) {
+    if (!MERGES || is_delta(i)) return 0.0;
+    return 1.0 / (1.0 + partial_merge_sum(from_camera(i), to_camera(i), merging(i)) + partial_merge_sum(from_light(n, i), to_light(i), merging(i)));
 }
 
 void main() {
     query = gl_GlobalInvocationID.x;
     if (query >= frame.slot_count) return;
     uint n = uint(value(0u));
-    for (uint s = 0u; s < MOST; s++) Weights(frame.film).at[query * MOST + s] = s < n ? weight(n, s) : 0.0;
+    for (uint i = 0u; i < MOST; i++) {
+        Weights(frame.film).at[query * 2u * MOST + i] = i < n ? weight(n, i) : 0.0;
+        Weights(frame.film).at[query * 2u * MOST + MOST + i] = i > 0u && i < n - 1u ? merge_weight(n, i) : 0.0;
+    }
 }

@@ -206,7 +206,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started);
     let picture = report::picture(&film, &result, &args.aov);
     for path in &job.outputs {
-        match pyramid::pyramid(&film).filter(|_| matches!(format_of(path), Ok(Format::Png))) {
+        let pyramid = if format_of(path)? == Format::Png { pyramid::pyramid(&film) } else { None };
+        match pyramid {
             Some(image) => write_picture(path, &Picture { image, layers: Vec::new(), header: Vec::new() })?,
             None => write_picture(path, &picture)?,
         }

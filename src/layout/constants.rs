@@ -151,7 +151,7 @@ shared_constants! {
     /// alone, so that the vertices of a light path have bounded room.
     pub const BIDIRECTIONAL_LENGTH = 16;
     /// Bytes of one [`super::LightVertex`].
-    pub const LIGHT_VERTEX_BYTES = 80;
+    pub const LIGHT_VERTEX_BYTES = 92;
     /// Bytes of one [`super::Photon`].
     pub const PHOTON_BYTES = 52;
     /// Photons that are kept of one path; of a longer one they are a random choice.

@@ -65,6 +65,8 @@ shared_structs! {
         position: vec3,
         /// Unit direction in which light came.
         direction: vec3,
+        /// Unit geometric normal of the surface.
+        normal: vec3,
         /// Primitive that was hit.
         primitive: uint,
         /// Its instance.

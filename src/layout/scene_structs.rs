@@ -401,6 +401,10 @@ shared_structs! {
         centre: vec3,
         /// Its radius.
         radius: float,
+        /// Centre of a sphere around what does not emit: most light paths of lights far off are sent there.
+        core_centre: vec3,
+        /// Its radius.
+        core_radius: float,
         /// Value of one unit of the splats' fixed-point numbers.
         splat_unit: float,
         /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).

@@ -22,6 +22,9 @@ impl MergeRadius {
 
     /// Of the sample with this index: of that alone, so that it does not matter how a rendering is cut into frames.
     pub fn at(&self, sample: u32) -> f32 {
+        if self.first == 0.0 {
+            return 0.0; // most techniques: nothing to multiply up, frame after frame
+        }
         let factor: f64 = (1..=sample).map(f64::from).map(|k| (k + self.alpha) / (k + 1.0)).product();
         (self.first * factor.sqrt()) as f32
     }

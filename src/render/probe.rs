@@ -4,7 +4,7 @@
 use bytemuck::Pod;
 
 use super::kernel::Kernel;
-use super::upload::Uploaded;
+use super::upload::{Uploaded, sphere_radius};
 use super::{Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
@@ -18,6 +18,7 @@ pub struct Probe {
     name: String,
     size: (u32, u32),
     seed: u32,
+    scene_radius: f32,
 }
 
 impl Probe {
@@ -27,23 +28,24 @@ impl Probe {
         settings.check(gpu)?;
         memory::check_scene(gpu, scene, settings)?;
         let kernel = Kernel::new(gpu, scene, settings, &module, &|_| {})?;
-        Ok(Self::of(gpu, settings, name, kernel))
+        Ok(Self::of(gpu, scene, settings, name, kernel))
     }
 
     /// Another kernel for the same scene and settings, which are not uploaded again.
     pub fn sibling(&self, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
         let kernel = self.kernel.sibling(&self.gpu, scene, settings, &module)?;
-        Ok(Self::of(&self.gpu, settings, name, kernel))
+        Ok(Self::of(&self.gpu, scene, settings, name, kernel))
     }
 
-    fn of(gpu: &Gpu, settings: &Settings, name: &str, kernel: Kernel) -> Self {
+    fn of(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, kernel: Kernel) -> Self {
         Self {
             gpu: gpu.clone(),
             kernel,
             name: name.to_owned(),
             size: (settings.width, settings.height),
             seed: settings.seed,
+            scene_radius: sphere_radius(scene),
         }
     }
 
@@ -68,6 +70,9 @@ impl Probe {
             lengths: address(from.address()),
             slot_count: count,
             sample_count: 1,
+            // One light path, to be met within the square of the scene's radius.
+            light_path_count: 1,
+            merge_radius: self.scene_radius / std::f32::consts::PI.sqrt(),
             width: self.size.0,
             height: self.size.1,
             seed: self.seed,

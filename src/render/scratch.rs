@@ -51,8 +51,12 @@ impl ScratchSize {
         let row = settings.technique.row;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let plane = pixels * u64::from(settings.layers().max(1)) * SPLAT_PIXEL_BYTES;
-        let most_planes = if matches!(row.kept, Kept::Grid(..)) { 1 } else { MOST_PLANES };
-        let planes = if row.splats { (SPLAT_BYTES / plane).clamp(1, most_planes) } else { 0 };
+        let has_grid = matches!(row.kept, Kept::Grid(..));
+        let planes = match (row.splats, has_grid) {
+            (false, _) => 0,
+            (true, true) => 1, // the grid is that of one sample
+            (true, false) => (SPLAT_BYTES / plane).clamp(1, MOST_PLANES),
+        };
         let (vertex, vertices) = match row.kept {
             Kept::Nothing => (0, 0),
             Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
@@ -66,7 +70,6 @@ impl ScratchSize {
             Kept::Paths => (LIGHT_PATH_BYTES / path).max(least).min(all),
             Kept::Grid(..) => (LIGHT_PATH_BYTES / path).min(pixels),
         };
-        let has_grid = matches!(row.kept, Kept::Grid(..));
         let cells = if has_grid { (paths * CELLS_OF_PATH).next_power_of_two() } else { 0 };
         Self {
             planes,
@@ -91,13 +94,10 @@ impl ScratchSize {
         let has_grid = self.cells > 0;
         Room {
             slots: max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
-            // The grid is that of one sample.
-            samples: if has_grid {
-                1
-            } else if self.planes > 0 {
-                self.planes as u32
-            } else {
-                u32::MAX
+            samples: match (has_grid, self.planes) {
+                (true, _) => 1,
+                (false, 0) => u32::MAX,
+                (false, planes) => planes as u32,
             },
             paths: if self.paths > 0 && !has_grid { self.paths } else { u64::MAX },
             whole_passes: self.planes > 0,

@@ -106,6 +106,7 @@ impl Uploaded {
         let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
         let plane = settings.image_plane(scene)?;
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
+        let core = scene.core_bounds();
         let uniforms = SceneUniforms {
             camera_origin: vector(plane.origin),
             camera_corner: vector(plane.corner),
@@ -156,7 +157,9 @@ impl Uploaded {
             light_tree_scale: scene.light_tree.scale,
             instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
             centre: (0.5 * (scene.bounds.min + scene.bounds.max)).into(),
-            radius: scene.radius() * SPHERE_MARGIN,
+            radius: sphere_radius(scene),
+            core_centre: (0.5 * (core.min + core.max)).into(),
+            core_radius: (0.5 * (core.max - core.min).length() * SPHERE_MARGIN).max(f32::MIN_POSITIVE),
             splat_unit: splat_unit(scene),
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,
@@ -220,6 +223,12 @@ impl Uploaded {
 
 /// The sphere around a scene is wider than it by this factor, so that no rounding puts a point outside.
 const SPHERE_MARGIN: f32 = 1.0001;
+
+/// [`SceneUniforms::radius`].
+pub(super) fn sphere_radius(scene: &Scene) -> f32 {
+    scene.radius() * SPHERE_MARGIN
+}
+
 /// Units of a splat in the radiance of a scene that is lit evenly: far below what any path brings, and sums stay far below 2^63.
 const SPLAT_UNITS: f64 = (1u64 << 33) as f64;
 /// The most that an emitter's radiance is above that, for the purpose of the unit: with it a sum has room for 2^14 of it.
@@ -312,12 +321,7 @@ fn transform_bounds(to_world: &DAffine3, bounds: Bounds) -> Bounds {
     if bounds.min.cmpgt(bounds.max).any() {
         return Bounds { min: Vec3::ZERO, max: Vec3::ZERO };
     }
-    let mut out = Bounds::EMPTY;
-    for corner in 0..8 {
-        let pick = |axis: usize| if corner >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
-        let point = to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)).as_dvec3());
-        out = out.with_point(point.as_vec3());
-    }
+    let out = bounds.transformed(to_world);
     let reach = (out.max - out.min).max_element() + out.min.abs().max(out.max.abs()).max_element();
     let margin = Vec3::splat(reach * 8.0 * f32::EPSILON);
     Bounds { min: out.min - margin, max: out.max + margin }

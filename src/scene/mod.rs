@@ -51,7 +51,7 @@ use crate::error::{Error, Result, one_of};
 use crate::layout::{
     AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT, Layered,
     Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_PLASTIC, MATERIAL_THIN_DIELECTRIC, Material,
-    MaterialTextures, Plastic, Primitive, Principled, Surface, Texture,
+    MaterialTextures, Plastic, Primitive, Principled, SURFACE_MASK, Surface, Texture,
 };
 
 /// A scene, ready to be uploaded.
@@ -228,6 +228,20 @@ impl Scene {
     pub fn radius(&self) -> f32 {
         let radius = 0.5 * (self.bounds.max - self.bounds.min).length();
         if radius > 0.0 { radius } else { 1.0 }
+    }
+
+    /// Box around everything that is placed and does not emit, or around everything where all does.
+    pub fn core_bounds(&self) -> Bounds {
+        let dark =
+            |primitive: &&Primitive| self.surfaces[(primitive.surface & SURFACE_MASK) as usize].emission == [0.0; 3];
+        let of_group = |group: &Group| {
+            let own = &self.primitives[group.primitives()];
+            own.iter().filter(dark).map(primitive_bounds).fold(Bounds::EMPTY, Bounds::union)
+        };
+        let groups: Vec<Bounds> = self.groups.iter().map(of_group).collect();
+        let placed = self.instances.iter().map(|instance| groups[instance.group].transformed(&instance.to_world));
+        let all = placed.fold(Bounds::EMPTY, Bounds::union);
+        if all.min.x <= all.max.x { all } else { self.bounds }
     }
 
     /// The box of one group, in its own space.

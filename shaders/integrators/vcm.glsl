@@ -1,0 +1,35 @@
+// `vcm`: vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012; Hachisuka, Pantaleoni and Jensen 2012):
+// all strategies of bidirectional path tracing, and at each vertex of the camera's path a merge with the light paths of the whole
+// sample, under one multiple importance sampling. Light that is refracted or mirrored on both of its sides, which no connection
+// finds, comes by merges. Biased by their radius, which shrinks with every sample, so that the bias vanishes.
+//
+// The pass `light` follows the light paths of a sample, shows their vertices to the camera and keeps them; the passes `grid-...` sort
+// them; the pass `camera` connects and merges.
+#version 460
+#include "lib/prelude.glsl"
+
+// PARAM1: which strategies take part.
+const uint FORM_VCM = 0u; // all
+const uint FORM_BPM = 1u; // bidirectional photon mapping: merges anywhere, and running into lights
+const uint FORM_PPM = 2u; // progressive photon mapping: a merge at the camera's first vertex that is not a mirror or smooth glass
+const uint FORM_BPT = 3u; // bidirectional path tracing: no merges
+
+const bool CONNECTS = PARAM1 == FORM_VCM || PARAM1 == FORM_BPT;
+const bool MERGES = PARAM1 != FORM_BPT;
+const bool MERGES_FIRST = PARAM1 == FORM_PPM;
+
+// The longest path that has vertices from both sides.
+uint longest() { return MERGES_FIRST ? MAX_DEPTH : min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
+
+#if defined(PASS_LIGHT)
+#include "trace/backend.glsl"
+#include "lib/bidirectional_light.glsl"
+#elif defined(PASS_CAMERA)
+#include "trace/backend.glsl"
+#include "lib/bidirectional_camera.glsl"
+#elif defined(PASS_RESOLVE)
+#include "lib/resolve_main.glsl"
+#else
+#include "lib/kept_paths.glsl"
+#include "lib/grid_main.glsl"
+#endif

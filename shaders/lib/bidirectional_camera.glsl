@@ -1,0 +1,142 @@
+// The pass `camera` of bidirectional techniques: follows paths from the camera, and joins each to the light paths that were kept.
+#include "lib/light_vertices.glsl"
+#include "lib/merge.glsl"
+#include "lib/splat.glsl"
+
+layout(local_size_x = WORKGROUP) in;
+
+// Adds what (s, t) brings to the path's own pixel.
+void gather(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
+    if (HAS_STRATEGIES) splat_strategy(pixel.index, pixel.sample_index, s, t, value * pixel.filter_weight, weight);
+    else contribute(e, s + t - 1u, value * weight);
+}
+
+// Weight of (0, t): the path has run into a light. `choice_pdf_w` is the density with which (1, t - 1) picks that direction,
+// `cosine` lies at the light, `emission_a` is the density of light paths beginning there, per scaled area, and `emission_w` that of
+// going this way then.
+float implicit_weight(Path path, Partial p, float choice_pdf_w, float cosine, float distance2, float emission_a, float emission_w) {
+    if (path.depth == 0u) {
+        // Against (1, 1): p holds pixels per area there.
+        return 1.0 / (1.0 + connected(p.d_vcm) * mis(emission_a));
+    }
+    float choice_a = choice_pdf_w * cosine / scaled_area(distance2);
+    return 1.0 / (1.0 + connected(p.d_vcm) * mis(choice_a) + p.d_vc * mis(emission_a * emission_w));
+}
+
+// The same for a path that is too long for any other strategy but (1, t - 1).
+float long_weight(Path path, float choice_pdf_w) { return CONNECTS && !path.delta ? 1.0 / (1.0 + mis(choice_pdf_w / path.pdf_w)) : 1.0; }
+
+// s = 0: the path has left the scene and sees the background.
+void gather_background(Pixel pixel, Path path, Partial p, bool both_sides, inout Estimate e) {
+    float pdf_w = background_pdf(path.ray.direction);
+    float weight = 1.0;
+    // d_vcm and d_vc are still over solid angle: a light path begins on a disk.
+    float emission_a = disk_pdf(path.ray.origin, path.ray.direction) / scaled_area(1.0);
+    if (path.depth > 0u)
+        weight = both_sides ? 1.0 / (1.0 + connected(p.d_vcm) * mis(pdf_w) + p.d_vc * mis(pdf_w * emission_a)) : long_weight(path, pdf_w);
+    gather(pixel, e, 0u, path.depth + 2u, path.throughput * background_radiance(path.ray.direction), weight);
+}
+
+// s = 0: the path has run into a light.
+void gather_emission(Pixel pixel, Path path, Hit hit, Vertex v, Partial p, bool both_sides, float cosine, float distance2, inout Estimate e) {
+    vec3 emission = vertex_emission(v, path.ray);
+    if (emission == vec3(0.0)) return;
+    float choice = path.depth > 0u && !path.delta ? light_pdf(path.from, path.ray, hit, v.at, v.surface) : 0.0;
+    float weight = 1.0;
+    if (both_sides) {
+        float emission_w = surface_emission_pdf(v.at.position, -path.ray.direction, cosine);
+        weight = implicit_weight(path, p, choice, cosine, distance2, v.surface.emission_density / scaled_area(1.0), emission_w);
+    } else {
+        weight = long_weight(path, choice);
+    }
+    gather(pixel, e, 0u, path.depth + 2u, path.throughput * emission, weight);
+}
+
+// s = 1: next-event estimation.
+void gather_light(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, bool both_sides, vec4 u, inout Estimate e) {
+    LightSample light = light_sample(vertex_receiver(v, b), u);
+    vec3 wi = vertex_to_local(v, light.wi);
+    vec3 value = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight;
+    if (value == vec3(0.0)) return;
+    float found_w = light.delta ? 0.0 : bsdf_pdf(b, v.wo, wi);
+    float others = mis(found_w / light.pdf_w);
+    if (both_sides) others += partial_sum(p, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), bsdf_pdf(b, wi, v.wo), vertex_opacity(v));
+    value *= vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays);
+    gather(pixel, e, 1u, path.depth + 2u, value, 1.0 / (1.0 + others));
+}
+
+// s > 1: connections to the vertices of one light path.
+void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, inout Estimate e) {
+    uint index = pixel.index % frame.light_path_count;
+    Sampler random = light_path_random(index, pixel.sample_index);
+    LightPath others = light_path_of(index, pixel.sample_index);
+    uint t = path.depth + 2u;
+    for (uint i = 0u; i < others.count; i++) {
+        LightVertex y = others.at[i];
+        if (t + y.segments > longest()) break;
+        float weight;
+        vec3 value = path.throughput * connect(path, v, b, p, y, random, weight, e.rays);
+        gather(pixel, e, y.segments + 1u, t, value, weight);
+    }
+}
+
+bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e) {
+    Hit hit;
+    bool found = path_trace(path, hit, e);
+    uint length = path.depth + 1u;
+    bool both_sides = length <= longest(); // strategies with more than one vertex from the light take part
+    if (!found) {
+        if (HAS_BACKGROUND) gather_background(pixel, path, p, both_sides, e);
+        return false;
+    }
+    Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
+    path_measure(path, v);
+    float arriving = abs(dot(path.ray.direction, v.at.normal));
+    if (arriving == 0.0) return false;
+    vec3 segment = v.at.position - path.from.position;
+    float distance2 = dot(segment, segment);
+    partial_arrive(p, CAMERA == CAMERA_ORTHOGRAPHIC && path.depth == 0u ? 1.0 : distance2, arriving);
+
+    gather_emission(pixel, path, hit, v, p, both_sides, arriving, distance2, e);
+    if (length >= MAX_DEPTH || v.material == NONE) return false;
+    Bsdf b = vertex_material(v, path.ray, path.random);
+    both_sides = length < longest();
+
+    vec4 light_u = next4(path.random);
+    vec4 bsdf_u = next4(path.random);
+    if (!bsdf_is_delta(b)) {
+        if (CONNECTS) gather_light(pixel, path, v, b, p, both_sides, light_u, e);
+        if (CONNECTS && both_sides) gather_connections(pixel, path, v, b, p, e);
+        if (MERGES && both_sides) gather_merges(path, v, b, p, e);
+        if (MERGES_FIRST) return false;
+    }
+
+    BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);
+    partial_scatter(p, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
+    path_scatter(path, v, b, s);
+    return path_survives(path, path.eta * path.eta, bsdf_u.w);
+}
+
+void main() {
+    if (gl_GlobalInvocationID.x >= frame.slot_count) return;
+    Pixel pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
+    if (!pixel.inside) return;
+    Estimate e;
+    e.rays = 0u;
+    Path path;
+    Partial p;
+    bool alive = false;
+    while (alive || pixel_has_sample(pixel)) {
+        if (!alive) {
+            path = path_begin(pixel, e);
+            p = Partial(mis(light_path_count() / camera_importance(path.ray.direction)), 0.0);
+        }
+        alive = path_extend(pixel, path, p, e);
+        if (!alive) {
+            splat_sample(pixel, e);
+            pixel.sample_index += 1u;
+        }
+    }
+    count_rays(e.rays);
+}
