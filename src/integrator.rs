@@ -25,6 +25,35 @@ pub enum Bias {
     Consistent(&'static str),
 }
 
+/// Light that a technique cannot find, however many samples are taken, in scenes that have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// That of lights which no direction hits by chance.
+    DeltaLights,
+    /// What it becomes by way of mirrors and smooth glass.
+    DeltaCaustics,
+    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    HiddenDeltaCaustics,
+    /// What no path from a light can be shown to the camera from.
+    Unshowable,
+}
+
+impl Missing {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::DeltaLights => "the light of points, spots, projectors and parallel light",
+            Self::DeltaCaustics => "caustics of points, spots, projectors and parallel light",
+            Self::HiddenDeltaCaustics => {
+                "caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors and smooth glass"
+            }
+            Self::Unshowable => {
+                "the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"
+            }
+        }
+    }
+}
+
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
@@ -101,10 +130,8 @@ pub struct Integrator {
     pub splats: bool,
     /// What it keeps of paths from the lights.
     pub kept: Kept,
-    /// What it cannot find, where that depends on the scene.
-    pub misses: Option<&'static str>,
-    /// Whether it sees lights that no direction hits by chance: points, spots, parallel light.
-    pub sees_delta_lights: bool,
+    /// What it cannot find in scenes that have it.
+    pub misses: &'static [Missing],
     /// Its parameters.
     pub parameters: &'static [Parameter],
 }
@@ -129,16 +156,15 @@ const WEIGHTS: Parameter = Parameter {
     values: Values::Choice(&["power", "balance", "none"]),
 };
 
-/// Within which paths from the camera meet vertices of light paths.
-const fn radius(default: f32) -> Parameter {
-    Parameter {
-        name: "radius",
-        about: "within which the first sample looks for light paths, as a share of the scene's radius",
-        values: Values::Number(1e-6, 1.0, default),
-    }
-}
+/// Within which paths from the camera meet vertices of light paths, see `src/render/merge_radius.rs`.
+const RADIUS: Parameter = Parameter {
+    name: "radius",
+    about: "within which the first sample looks for light paths, as a share of the radius of all that does not emit; 0 is one over \
+            the root of the number of light paths in a sample, which is that of pixels where there is room",
+    values: Values::Number(0.0, 1.0, 0.0),
+};
 
-/// How that shrinks, see `src/render/merge_radius.rs`.
+/// How that shrinks.
 const ALPHA: Parameter = Parameter {
     name: "alpha",
     about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
@@ -157,8 +183,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: false,
         kept: Kept::Nothing,
-        misses: None,
-        sees_delta_lights: true,
+        misses: &[],
         parameters: &[Parameter {
             name: "sampling",
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
@@ -175,8 +200,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 1,
         splats: false,
         kept: Kept::Nothing,
-        misses: None,
-        sees_delta_lights: false,
+        misses: &[Missing::DeltaLights],
         parameters: &[
             Parameter {
                 name: "form",
@@ -201,8 +225,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: false,
         kept: Kept::Nothing,
-        misses: None,
-        sees_delta_lights: true,
+        misses: &[Missing::DeltaCaustics],
         parameters: &[],
     },
     Integrator {
@@ -215,8 +238,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: true,
         kept: Kept::Nothing,
-        misses: Some("the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"),
-        sees_delta_lights: true,
+        misses: &[Missing::Unshowable],
         parameters: &[],
     },
     Integrator {
@@ -229,8 +251,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: true,
         kept: Kept::Paths,
-        misses: None,
-        sees_delta_lights: true,
+        misses: &[Missing::HiddenDeltaCaustics],
         parameters: &[WEIGHTS],
     },
     Integrator {
@@ -251,8 +272,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: true,
         kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
-        misses: None,
-        sees_delta_lights: true,
+        misses: &[],
         parameters: &[
             WEIGHTS,
             Parameter {
@@ -261,7 +281,7 @@ pub const INTEGRATORS: &[Integrator] = &[
                         mirror or smooth glass; bpt, none of these",
                 values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
             },
-            radius(0.003),
+            RADIUS,
             ALPHA,
         ],
     },
@@ -282,15 +302,14 @@ pub const INTEGRATORS: &[Integrator] = &[
         rr_depth: 5,
         splats: false,
         kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
-        misses: None,
-        sees_delta_lights: true,
+        misses: &[],
         parameters: &[
             Parameter {
                 name: "direct",
                 about: "what brings light that was scattered once: next-event estimation, or photons like all other",
                 values: Values::Choice(&["nee", "photons"]),
             },
-            radius(0.01),
+            RADIUS,
             ALPHA,
         ],
     },

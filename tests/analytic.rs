@@ -6,7 +6,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{assert_mean, average, backends, canon, render, settings, with_gpu};
+use common::{assert_mean, average, backends, backends_for, canon, render, settings, with_gpu};
 use glam::{DAffine3, DVec3};
 use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::metrics::stats::Estimate;
@@ -37,8 +37,8 @@ fn furnace(name: &str) {
     const LAYERS: u32 = 6;
     let scene = canon(name, &[("size", "32")]);
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            for row in unbiased() {
+        for row in unbiased() {
+            for backend in backends_for(gpu, row) {
                 let mut settings = settings(&scene, row.name, backend);
                 settings.lengths = LAYERS;
                 let film = render(gpu, &scene, &settings, 1024);
@@ -101,8 +101,8 @@ fn compensated_spheres_disappear_under_a_white_sky() {
                 builder.finish().unwrap()
             };
             let (full, plain) = (scene(true), scene(false));
-            for backend in backends(gpu) {
-                for row in thorough(&full) {
+            for row in thorough(&full) {
+                for backend in backends_for(gpu, row) {
                     let mean = |scene: &Scene, spp: u32| {
                         let mut settings = settings(scene, row.name, backend);
                         (settings.width, settings.height) = (32, 32);
@@ -125,8 +125,8 @@ fn compensated_spheres_disappear_under_a_white_sky() {
 fn layers_by_length_sum_to_the_image() {
     let scene = canon("cornell.xml", &[("size", "64")]);
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            for row in INTEGRATORS {
+        for row in INTEGRATORS {
+            for backend in backends_for(gpu, row) {
                 let mut with_layers = settings(&scene, row.name, backend);
                 with_layers.lengths = 5;
                 let layered = render(gpu, &scene, &with_layers, 16);
@@ -167,8 +167,8 @@ fn cube_with_a_point_light() {
     ];
     let scene = canon("cube_point_light.xml", &[("size", "32")]);
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            for row in thorough(&scene) {
+        for row in thorough(&scene) {
+            for backend in backends_for(gpu, row) {
                 for (camera, expected) in points {
                     let mut settings = settings(&scene, row.name, backend);
                     settings.camera = Some(camera.to_owned());
@@ -220,10 +220,9 @@ fn polygon(builder: &mut SceneBuilder, corners: &[DVec3], surface: usize) {
 /// Every technique, and every way of direct lighting, gives radiance albedo / pi times the irradiance.
 fn irradiance(what: &str, scene: &Scene, expected: f64, spp: u32) {
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            let techniques = thorough(scene).into_iter().map(|row| row.name);
-            let techniques = techniques.chain(["direct", "direct:sampling=emitter", "direct:sampling=bsdf"]);
-            for technique in techniques {
+        let techniques = thorough(scene).into_iter().map(|row| row.name);
+        for technique in techniques.chain(["direct", "direct:sampling=emitter", "direct:sampling=bsdf"]) {
+            for backend in backends_for(gpu, Technique::parse(technique).unwrap().row) {
                 let mut settings = settings(scene, technique, backend);
                 settings.max_depth = Some(2);
                 // What only the BSDF's choice of direction finds is seldom found.
@@ -310,8 +309,8 @@ fn slab_of_glass() {
     builder.cameras.push(Camera::look_at(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, 0.01).unwrap());
     let scene = builder.finish().unwrap();
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            for row in thorough(&scene) {
+        for row in thorough(&scene) {
+            for backend in backends_for(gpu, row) {
                 let mut settings = settings(&scene, row.name, backend);
                 settings.rr_depth = 50;
                 let film = render(gpu, &scene, &settings, 2000);
@@ -361,7 +360,7 @@ fn roulette_is_unbiased() {
     with_gpu(|gpu| {
         for (albedo, technique, rr_depth, spp) in cases {
             let scene = bright_furnace(albedo);
-            for backend in backends(gpu) {
+            for backend in backends_for(gpu, Technique::parse(technique).unwrap().row) {
                 let mut settings = settings(&scene, technique, backend);
                 settings.rr_depth = rr_depth;
                 settings.max_depth = Some(2000);

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::room::scene;
 use common::{backends, canon, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
@@ -29,6 +30,8 @@ struct Query {
     near_cosine: [f32; MOST],
     far_cosine: [f32; MOST],
     merging: [f32; MOST],
+    /// 0 is a pinhole.
+    lens_a: f32,
 }
 
 impl Query {
@@ -39,12 +42,13 @@ impl Query {
         {
             all.extend(part);
         }
+        all.push(self.lens_a);
         all.resize(64, 0.0);
         all.try_into().unwrap()
     }
 
-    /// Densities per area with which each strategy makes the path, 0 where it cannot: first those that take 0, 1, ... vertices from the
-    /// light (Veach 1997, equations 10.7 to 10.9), then merges at each vertex, where both parts come (Georgiev et al. 2012, equation 8).
+    /// Densities per area with which each strategy makes the path, 0 where it cannot: first those that take 0, 1, ... all vertices from
+    /// the light (Veach 1997, equations 10.7 to 10.9), then, from the place after the longest path's, merges at each vertex, where both parts come (Georgiev et al. 2012, equation 8).
     fn densities(&self, form: &str) -> [f64; 2 * MOST] {
         let n = self.vertices as usize;
         let at = |values: &[f32; MOST], index: usize| f64::from(values[index]);
@@ -71,13 +75,16 @@ impl Query {
         };
         let (connects, merges) = (["vcm", "bpt"].contains(&form), form != "bpt");
         let mut all = [0.0; 2 * MOST];
+        let lens = if self.lens_a > 0.0 { f64::from(self.lens_a) } else { 1.0 };
         for s in 0..n {
             let t = n - s;
             let joins_delta = s > 0 && t > 1 && is_delta(t - 1) || s > 1 && is_delta(t);
-            all[s] = if joins_delta || s > 0 && !connects { 0.0 } else { from_camera(t) * from_light(s) };
+            all[s] = if joins_delta || s > 0 && !connects { 0.0 } else { lens * from_camera(t) * from_light(s) };
         }
+        // The first segment of a light path is not looked at: (1, 1) and (0, 2) do better.
+        all[n] = if self.lens_a > 0.0 && connects && n > 2 { from_light(n) } else { 0.0 };
         for vertex in (1..n - 1).filter(|vertex| merges && !is_delta(*vertex)) {
-            all[MOST + vertex] = from_camera(vertex + 1) * from_light(n - vertex) * at(&self.merging, vertex);
+            all[MOST + vertex] = lens * from_camera(vertex + 1) * from_light(n - vertex) * at(&self.merging, vertex);
         }
         all
     }
@@ -109,6 +116,7 @@ fn random_path(random: &mut Random) -> Query {
     let glossy = |pdf: [f32; MOST]| std::array::from_fn(|vertex| pdf[vertex] * gloss[vertex]);
     let (to_light, to_camera) = (glossy(to_light), glossy(to_camera));
     let (distance2, near, far, merging) = (numbers(1e2), numbers(10.0), numbers(10.0), numbers(1e2));
+    let lens_a = if random.uniform() < 0.5 { random.scale(1e2) } else { 0.0 };
     Query {
         vertices: (2 + (random.uniform() * 7.0) as u32) as f32,
         camera_density: random.scale(1e2),
@@ -122,38 +130,47 @@ fn random_path(random: &mut Random) -> Query {
         near_cosine: near.map(|value| value / 10.0),
         far_cosine: far.map(|value| value / 10.0),
         merging,
+        lens_a,
     }
 }
 
 /// The shader's weights, put together along the path, are those of the definition from products of densities in double precision, and
-/// they sum to one, for each heuristic.
+/// they sum to one, for each heuristic and however large the scene is.
 #[test]
 fn weights_are_those_of_the_definition() {
     let mut random = Random(7);
     let paths: Vec<Query> = (0..4096).map(|_| random_path(&mut random)).collect();
     let floats: Vec<[f32; 64]> = paths.iter().map(Query::floats).collect();
-    let scene = canon("cornell.xml", &[]);
+    let forms = ["vcm", "bpm", "bpt"].into_iter().flat_map(|form| {
+        [("power", 2.0), ("balance", 1.0), ("none", 0.0)].map(|(weights, exponent)| (1.0, form, weights, exponent))
+    });
+    let scaled = [1e-4, 1e4].map(|scale| (scale, "vcm", "power", 2.0));
     with_gpu(|gpu| {
-        for form in ["vcm", "bpm", "bpt"] {
-            for (weights, exponent) in [("power", 2.0), ("balance", 1.0), ("none", 0.0)] {
-                let what = format!("vcm:weights={weights}:form={form}");
-                let settings = settings(&scene, &what, Backend::Bvh);
-                let probe = Probe::new(gpu, &scene, &settings, "test/strategies").unwrap();
-                let found: Vec<[f32; 2 * MOST]> = probe.run(&floats).unwrap();
-                let (mut worst, mut worst_sum) = (0.0f64, 0.0f64);
-                for (path, found) in paths.iter().zip(&found) {
-                    let shares =
-                        path.densities(form).map(|density| if density > 0.0 { density.powf(exponent) } else { 0.0 });
-                    let total: f64 = shares.iter().sum();
-                    for (share, found) in shares.iter().zip(found) {
-                        worst = worst.max((share / total - f64::from(*found)).abs());
-                    }
-                    let sum: f64 = found.iter().map(|weight| f64::from(*weight)).sum();
-                    worst_sum = worst_sum.max((sum - 1.0).abs());
+        for (scale, form, weights, exponent) in forms.chain(scaled) {
+            let scene = scene(&format!(
+                "<shape type='rectangle'><transform name='to_world'><scale value='{scale}'/></transform>
+                 <emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>"
+            ));
+            let what = format!("vcm:weights={weights}:form={form}");
+            let settings = settings(&scene, &what, Backend::Bvh);
+            let probe = Probe::new(gpu, &scene, &settings, "test/strategies").unwrap();
+            let found: Vec<[f32; 2 * MOST]> = probe.run(&floats).unwrap();
+            let (mut worst, mut worst_sum) = (0.0f64, 0.0f64);
+            for (path, found) in paths.iter().zip(&found) {
+                let shares =
+                    path.densities(form).map(|density| if density > 0.0 { density.powf(exponent) } else { 0.0 });
+                let total: f64 = shares.iter().sum();
+                for (share, found) in shares.iter().zip(found) {
+                    worst = worst.max((share / total - f64::from(*found)).abs());
                 }
-                println!("{what}: off by {worst:.1e} at most, their sum by {worst_sum:.1e}");
-                assert!(worst < 1e-5 && worst_sum < 1e-5, "{what}: off by {worst}, their sum by {worst_sum}");
+                let sum: f64 = found.iter().map(|weight| f64::from(*weight)).sum();
+                worst_sum = worst_sum.max((sum - 1.0).abs());
             }
+            println!("{what} at scale {scale}: off by {worst:.1e} at most, their sum by {worst_sum:.1e}");
+            assert!(
+                worst < 1e-5 && worst_sum < 1e-5,
+                "{what} at scale {scale}: off by {worst}, their sum by {worst_sum}"
+            );
         }
     });
 }

@@ -44,6 +44,18 @@ float merge_share(float opacity) {
 // A term that stands for a connection.
 float connected(float ratio) { return CONNECTS ? ratio : 0.0; }
 
+// The camera as the beginning of paths, per scaled area of its lens: `importance` is pixels per solid angle, `cosine` is to its axis. A
+// pinhole has no area (lens_a = 0), and t = 0 does not take part.
+Partial partial_camera(float importance, float lens_a, float cosine) {
+    float pdf_w = importance / float(frame.light_path_count); // over those of light paths
+    return Partial(mis(1.0 / pdf_w), lens_a > 0.0 ? connected(mis(cosine / (lens_a * pdf_w))) : 0.0);
+}
+
+// Weight of t = 0: the light path has run into the lens.
+float lens_weight(Partial p, float importance, float lens_a) {
+    return 1.0 / (1.0 + p.d_vcm * mis(lens_a) + p.d_vc * mis(lens_a * importance / float(frame.light_path_count)));
+}
+
 // The path has arrived at a vertex: densities over solid angle become such per area there. `distance2` is the square of the
 // distance, or nothing (1 / scaled_area(1)) where the segment has no end.
 void partial_arrive(inout Partial p, float distance2, float cosine) {

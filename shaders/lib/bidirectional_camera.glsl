@@ -130,7 +130,7 @@ void main() {
     while (alive || pixel_has_sample(pixel)) {
         if (!alive) {
             path = path_begin(pixel, e);
-            p = Partial(mis(light_path_count() / camera_importance(path.ray.direction)), 0.0);
+            p = partial_camera(camera_importance(path.ray.direction), lens_choice(), lens_cosine(path.ray.direction));
         }
         alive = path_extend(pixel, path, p, e);
         if (!alive) {

@@ -30,16 +30,38 @@ void show_vertex(Pixel pixel, Path path, vec3 power, Vertex v, Bsdf b, Partial p
     vec3 value = power * path.throughput * light_vertex_eval(v, b, path.ray, local, view.direction);
     if (!view.visible || value == vec3(0.0)) return;
     float camera_a = view.importance * abs(dot(view.direction, v.at.normal)) / (scaled_area(view.distance2) * light_path_count());
-    float weight = 1.0 / (1.0 + partial_sum(p, camera_a, bsdf_pdf(b, local, v.wo), vertex_opacity(v)));
+    float others = partial_sum(p, camera_a, bsdf_pdf(b, local, v.wo), vertex_opacity(v));
+    float lens_a = lens_choice();
+    if (lens_a > 0.0) others += mis(bsdf_pdf(b, v.wo, local) * lens_cosine(view.direction) / (scaled_area(view.distance2) * lens_a)); // t = 0
+    float weight = 1.0 / (1.0 + others);
     value *= view.importance / (view.distance2 * light_path_count());
     show(pixel, view, s, value, weight, u.zw, vertex_ray_to(v, view.direction, view.target), vertex_absorption(v, b, path.absorption, local), rays);
+}
+
+// (s, 0): the path runs into the lens on its way along the ray, which ends at a distance. Not on its first segment: (1, 1) and (0, 2)
+// are better at that.
+void show_lens(Pixel pixel, Path path, vec3 power, Ray ray, float end, Partial p) {
+    vec2 position;
+    float t;
+    if (path.depth == 0u || !lens_hit(ray, end, position, t)) return;
+    float cosine = lens_cosine(ray.direction), importance = camera_importance(-ray.direction);
+    partial_arrive(p, t * t, cosine);
+    vec3 value = power * path.throughput * (importance / (lens_area() * cosine * light_path_count()));
+    if (HAS_ABSORPTION) value *= exp(-path.absorption * t);
+    vec4 u = next4(path.random);
+    uint seen_by = splat_pixel(position, u.xy, value);
+    if (seen_by != NONE) splat(seen_by, pixel.sample_index, path.depth + 1u, value * lens_weight(p, importance, lens_choice()));
 }
 
 // Follows the path to its next vertex, keeps that, shows it to the camera, and chooses the ray after it. `met` counts the vertices of
 // the path that were kept, or would have been if there were room.
 bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path path, inout Partial p, inout uint met, inout uint rays) {
     Hit hit;
-    if (!trace_visible(path.ray, hit, path.random, rays)) return false;
+    Ray ray = path.ray;
+    bool found = trace_visible(path.ray, hit, path.random, rays);
+    bool to_lens = lens_choice() > 0.0;
+    if (to_lens) show_lens(pixel, path, e.power, ray, found ? distance(ray.origin, path.ray.origin) + hit.t : INFINITY, p);
+    if (!found || path.depth + 2u > longest()) return false;
     Vertex v = vertex_at(path.ray, hit);
     path_absorb(path, v);
     float arriving = abs(dot(path.ray.direction, v.at.normal));
@@ -71,7 +93,7 @@ bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path 
         }
         if (CONNECTS) show_vertex(pixel, path, e.power, v, b, p, length, u, rays);
     }
-    if (length >= longest()) return false;
+    if (length >= longest() && !to_lens) return false; // one more segment for the lens
     BsdfSample s = light_vertex_sample(v, b, path.ray, bsdf_u.xyz);
     partial_scatter(p, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
     path_scatter(path, v, b, s);

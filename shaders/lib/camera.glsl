@@ -75,6 +75,32 @@ bool in_image(vec2 position) {
     return all(greaterThan(position, vec2(-reach))) && all(lessThan(position, vec2(frame.width, frame.height) + reach));
 }
 
+// Where the image shows what lies in the direction w of a point of the lens, which is `shift` off its centre; false where it does not.
+bool image_position(vec3 shift, vec3 w, out vec2 position) {
+    vec3 a = scene.camera_dx, b = scene.camera_dy, c = scene.camera_corner;
+    // Along the ray to the plane of focus, and from there back to the plane at distance one (a pinhole has all planes sharp).
+    float volume = dot(c, cross(a, b));
+    float depth = dot(w, cross(a, b)) / volume;
+    vec3 d = CAMERA == CAMERA_THIN_LENS ? shift / scene.focus + w / depth : w / depth;
+    position = vec2(dot(d, cross(b, c)), dot(d, cross(c, a))) / volume;
+    return depth > 0.0 && in_image(position);
+}
+
+float lens_area() { return PI * dot(scene.lens_x, scene.lens_x); }
+
+// Cosine of a direction to the lens's axis.
+float lens_cosine(vec3 direction) { return abs(dot(direction, normalize(cross(scene.camera_dx, scene.camera_dy)))); }
+
+// Whether a ray runs through the lens before it ends, seen by the image: where, in pixels, and at which distance.
+bool lens_hit(Ray ray, float end, out vec2 position, out float t) {
+    vec3 axis = cross(scene.camera_dx, scene.camera_dy);
+    t = dot(axis, scene.camera_origin - ray.origin) / dot(axis, ray.direction);
+    position = vec2(0.0);
+    if (!(t > 0.0 && t < end)) return false;
+    vec3 shift = ray.origin + t * ray.direction - scene.camera_origin;
+    return dot(shift, shift) <= dot(scene.lens_x, scene.lens_x) && image_position(shift, -ray.direction, position);
+}
+
 // `u` chooses the point on a lens.
 CameraView camera_view(vec3 p, vec2 u) {
     CameraView v;
@@ -93,7 +119,6 @@ CameraView camera_view(vec3 p, vec2 u) {
         v.importance = camera_importance(c);
         return v;
     }
-    vec3 a = scene.camera_dx, b = scene.camera_dy, c = scene.camera_corner;
     vec3 shift = vec3(0.0);
     if (CAMERA == CAMERA_THIN_LENS) {
         vec2 lens = sample_disk(u);
@@ -101,12 +126,7 @@ CameraView camera_view(vec3 p, vec2 u) {
     }
     v.target = scene.camera_origin + shift;
     vec3 w = p - v.target;
-    // Along the ray to the plane of focus, and from there back to the plane at distance one (a pinhole has all planes sharp).
-    float volume = dot(c, cross(a, b));
-    float depth = dot(w, cross(a, b)) / volume;
-    vec3 d = CAMERA == CAMERA_THIN_LENS ? shift / scene.focus + w / depth : w / depth;
-    v.position = vec2(dot(d, cross(b, c)), dot(d, cross(c, a))) / volume;
-    v.visible = depth > 0.0 && in_image(v.position);
+    v.visible = image_position(shift, w, v.position);
     v.distance2 = dot(w, w);
     v.t_max = sqrt(v.distance2);
     v.direction = -w / v.t_max;

@@ -17,6 +17,10 @@ void keep_count(LightPath kept, uint met) {
     for (uint i = 0u; i < kept.count; i++) kept.at[i].power *= kept_share(met);
 }
 
+// Density per scaled area with which a point of the lens is chosen; 0 where no light path runs into one. Layers of strategies leave that
+// out, to have the same number of them for every camera.
+float lens_choice() { return CONNECTS && CAMERA == CAMERA_THIN_LENS && !HAS_STRATEGIES ? 1.0 / scaled_area(lens_area()) : 0.0; }
+
 // What the vertex of a path from the camera receives from a vertex of a light path, over the path's throughput, and the weight of that
 // among all strategies for the whole path. `random` is at the beginning of the light path.
 vec3 connect(Path path, Vertex v, Bsdf b, Partial p, LightVertex y, Sampler random, out float weight, inout uint rays) {

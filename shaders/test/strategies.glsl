@@ -28,10 +28,12 @@ float near_cosine(uint edge) { return value(5u + 4u * MOST + edge); }
 float far_cosine(uint edge) { return value(5u + 5u * MOST + edge); }
 float merging(uint i) { return value(5u + 6u * MOST + i); } // density of merges, as an opacity: of one light path, in an area of one
 
+float lens_a() { return value(5u + 7u * MOST); } // density of the point on the lens; 0 is a pinhole
+
 void arrive(inout Partial p, uint edge, float cosine) { partial_arrive(p, distance2(edge) * scene.radius * scene.radius, cosine); }
 
 Partial from_camera(uint last) {
-    Partial p = Partial(mis(1.0 / camera_density()), 0.0);
+    Partial p = partial_camera(camera_density(), lens_a(), near_cosine(0u));
     arrive(p, 0u, far_cosine(0u));
     for (uint i = 1u; i < last; i++) {
         partial_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i), merging(i));
@@ -67,11 +69,23 @@ float weight(uint n, uint s) {
         return 1.0 / (1.0 + mis(found) + partial_sum(from_camera(t - 1u), reverse, to_camera(t - 1u), merging(t - 1u)));
     }
     Partial y = from_light(n, t);
-    if (t == 1u) return 1.0 / (1.0 + partial_sum(y, seen, to_light(t), merging(t)));
+    if (t == 1u) {
+        float lens = lens_a() > 0.0 ? mis(to_camera(1u) * near_cosine(0u) / (distance2(0u) * lens_a())) : 0.0;
+        return 1.0 / (1.0 + lens + partial_sum(y, seen, to_light(t), merging(t)));
+    }
     float light_side = to_camera(t) * near_cosine(edge) / distance2(edge);
     float camera_side = to_light(t - 1u) * far_cosine(edge) / distance2(edge);
     return 1.0 / (1.0 + partial_sum(from_camera(t - 1u), light_side, to_camera(t - 1u), merging(t - 1u)) +
                   partial_sum(y, camera_side, to_light(t), merging(t)));
+}
+
+// Of t = 0, where all n vertices are from the light.
+float whole_weight(uint n) {
+    if (!CONNECTS || lens_a() == 0.0 || n == 2u) return 0.0;
+    Partial p = from_light(n, 1u);
+    partial_scatter(p, far_cosine(0u), to_camera(1u), to_light(1u), is_delta(1u), merging(1u));
+    arrive(p, 0u, near_cosine(0u));
+    return lens_weight(p, camera_density(), lens_a());
 }
 
 // Of the merge at vertex i.
@@ -88,4 +102,5 @@ void main() {
         Weights(frame.film).at[query * 2u * MOST + i] = i < n ? weight(n, i) : 0.0;
         Weights(frame.film).at[query * 2u * MOST + MOST + i] = i > 0u && i < n - 1u ? merge_weight(n, i) : 0.0;
     }
+    Weights(frame.film).at[query * 2u * MOST + n] = whole_weight(n); // merges begin at vertex 1: even the longest path leaves room
 }

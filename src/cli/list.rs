@@ -17,11 +17,7 @@ pub(super) fn run() -> Result<()> {
             Bias::Biased(why) => format!("biased ({why})"),
             Bias::Consistent(why) => format!("consistent ({why})"),
         };
-        let mut blind =
-            String::from(if row.sees_delta_lights { "" } else { "; does not see point, spot and directional lights" });
-        if let Some(missed) = row.misses {
-            blind += &format!("; does not find {missed}");
-        }
+        let blind: String = row.misses.iter().map(|missing| format!("; does not find {}", missing.what())).collect();
         print(&format!("{:<14} {}\n{:14} {solves}, {bias}{blind}", row.name, row.title, ""));
         for parameter in row.parameters {
             let values = match parameter.values {

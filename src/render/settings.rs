@@ -4,7 +4,7 @@ use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
-use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Parameter, Values};
+use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -76,11 +76,12 @@ impl Technique {
 
     /// What the image of this scene lacks against the true one because of what the technique cannot find; nothing where it finds all.
     pub fn misses(&self, scene: &Scene) -> Option<String> {
-        let mut all = Vec::new();
-        if !self.row.sees_delta_lights && scene.has_delta_lights() {
-            all.push("the light of points, spots, projectors and parallel light");
-        }
-        all.extend(self.row.misses.filter(|_| scene.has_unshowable()));
+        let has = |missing: &Missing| match missing {
+            Missing::DeltaLights => scene.has_delta_lights(),
+            Missing::DeltaCaustics | Missing::HiddenDeltaCaustics => scene.has_delta_lights() && scene.has_smooth(),
+            Missing::Unshowable => scene.background.is_some() || scene.has_smooth(),
+        };
+        let all: Vec<&str> = self.row.misses.iter().copied().filter(has).map(Missing::what).collect();
         (!all.is_empty()).then(|| all.join(", and "))
     }
 

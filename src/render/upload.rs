@@ -159,7 +159,7 @@ impl Uploaded {
             centre: (0.5 * (scene.bounds.min + scene.bounds.max)).into(),
             radius: sphere_radius(scene),
             core_centre: (0.5 * (core.min + core.max)).into(),
-            core_radius: (0.5 * (core.max - core.min).length() * SPHERE_MARGIN).max(f32::MIN_POSITIVE),
+            core_radius: scene.core_radius() * SPHERE_MARGIN,
             splat_unit: splat_unit(scene),
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,

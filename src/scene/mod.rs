@@ -217,16 +217,22 @@ impl Scene {
         self.lights.iter().any(|light| delta.contains(&light.kind))
     }
 
-    /// Whether the camera may see something that no path from a light can be shown to it from: a smooth mirror or glass, or the
-    /// background.
-    pub fn has_unshowable(&self) -> bool {
+    /// Whether some material is a mirror or smooth glass, or is coated so.
+    pub fn has_smooth(&self) -> bool {
         let smooth = [MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_THIN_DIELECTRIC, MATERIAL_PLASTIC];
-        self.background.is_some() || self.materials.iter().any(|material| smooth.contains(&material.kind))
+        self.materials.iter().any(|material| smooth.contains(&material.kind))
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.
     pub fn radius(&self) -> f32 {
         let radius = 0.5 * (self.bounds.max - self.bounds.min).length();
+        if radius > 0.0 { radius } else { 1.0 }
+    }
+
+    /// Radius of a sphere around [`Scene::core_bounds`]; 1 where that is a point or nothing.
+    pub fn core_radius(&self) -> f32 {
+        let bounds = self.core_bounds();
+        let radius = 0.5 * (bounds.max - bounds.min).length();
         if radius > 0.0 { radius } else { 1.0 }
     }
 

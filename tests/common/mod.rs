@@ -12,6 +12,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
+use lumbre::integrator::{Integrator, Kept};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::{Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
@@ -49,6 +50,12 @@ pub fn backends(gpu: &Gpu) -> Vec<Backend> {
         eprintln!("not tested: {}: {why}", backend.name());
     }
     there
+}
+
+/// Those that a test of the canon's many scenes runs a technique on. Paths from the lights trace rays by the functions that paths from the
+/// camera use: one backend is enough for them, and tests/agreement.rs has all.
+pub fn backends_for(gpu: &Gpu, row: &Integrator) -> Vec<Backend> {
+    if row.splats || row.kept != Kept::Nothing { vec![Backend::Bvh] } else { backends(gpu) }
 }
 
 /// A file in `scenes/`.

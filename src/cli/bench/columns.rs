@@ -6,7 +6,7 @@ use lumbre::backend::Backend;
 use lumbre::bench::{Lumbre, Variant};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::integrator::{Bias, INTEGRATORS, Solves};
+use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Missing, Solves};
 use lumbre::render::{Settings, Technique};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};
@@ -129,17 +129,20 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
     all.join("; ")
 }
 
-/// The technique of references: an unbiased one that accounts for what the columns account for.
-pub(super) fn reference_technique(techniques: &[Technique]) -> Result<Technique> {
+/// The technique of references: one that accounts for what the columns account for and finds all of it in the scene, unbiased where there
+/// is one.
+pub(super) fn reference_technique(techniques: &[Technique], scene: &Scene) -> Result<Technique> {
     let solves = if techniques.iter().all(|technique| technique.row.solves == Solves::Direct) {
         Solves::Direct
     } else {
         Solves::Everything
     };
-    let row = INTEGRATORS.iter().find(|row| {
-        row.solves == solves && row.bias == Bias::Unbiased && row.sees_delta_lights && row.misses.is_none()
-    });
-    Technique::parse(row.map_or("path", |row| row.name))
+    let fit = |row: &&Integrator| {
+        let finds_all = Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
+        row.solves == solves && finds_all && !row.misses.contains(&Missing::DeltaLights)
+    };
+    let unbiased = INTEGRATORS.iter().filter(fit).find(|row| row.bias == Bias::Unbiased);
+    Technique::parse(unbiased.or(INTEGRATORS.iter().find(fit)).map_or("path", |row| row.name))
 }
 
 /// The settings of a reference: on the fastest backend, with a seed of its own.

@@ -207,7 +207,8 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
         if !args.quiet {
             print_warnings(&scene);
         }
-        let mut settings = Settings::new(&scene, reference_technique(techniques)?, lumbre::backend::Backend::Bvh);
+        let mut settings =
+            Settings::new(&scene, reference_technique(techniques, &scene)?, lumbre::backend::Backend::Bvh);
         if let Some((width, height)) = args.size {
             (settings.width, settings.height) = (width, height);
         }

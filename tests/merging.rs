@@ -1,0 +1,275 @@
+//! What finds vertices of light paths by a radius, photon mapping and vertex merging: the error vanishes with the number of samples,
+//! nothing is counted twice or missed, and no order of photons or frames changes a bit.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::room::{LAMP, material_pairs, room, scene};
+use common::{average, canon, render, settings, with_gpu};
+use lumbre::backend::Backend;
+use lumbre::film::Film;
+use lumbre::gpu::Gpu;
+use lumbre::integrator::{Bias, find};
+use lumbre::metrics::compare;
+use lumbre::render::{Renderer, Settings, Technique};
+use lumbre::scene::Scene;
+
+const SIZE: u32 = 64;
+const ALL: [&str; 5] = ["photon", "photon:direct=photons", "vcm", "vcm:form=bpm", "vcm:form=ppm"];
+
+fn film(gpu: &Gpu, scene: &Scene, technique: &str, seed: u32, spp: u32) -> Film {
+    let settings = Settings { width: SIZE, height: SIZE, seed, ..settings(scene, technique, Backend::Bvh) };
+    render(gpu, scene, &settings, spp)
+}
+
+/// Largest difference of the mean of a rectangle from that of the truth, over the truth's, of the three channels.
+fn off(found: &Film, truth: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> f64 {
+    let mean = |film: &Film| common::tile_average(film, columns.clone(), rows.clone()).map(|channel| channel.mean);
+    let lit = mean(truth).map(|channel| channel > 0.0);
+    let differences = mean(found).into_iter().zip(mean(truth)).zip(lit).filter(|(_, lit)| *lit);
+    let differences = differences.map(|((a, b), _)| a / b - 1.0);
+    differences.fold(0.0, |worst: f64, x| if x.abs() > worst.abs() { x } else { worst })
+}
+
+fn assert_off(what: &str, found: &Film, truth: &Film, bound: f64) {
+    let off = off(found, truth, 0..found.width, 0..found.height);
+    println!("{what}: the mean is off by {:+.3} %, bound {:.2} %", 100.0 * off, 100.0 * bound);
+    assert!(off.abs() < bound, "{what}: off by {off}");
+}
+
+#[test]
+fn the_table_says_that_they_are_consistent() {
+    for name in ["photon", "vcm"] {
+        assert!(matches!(find(name).unwrap().bias, Bias::Consistent(_)));
+    }
+}
+
+/// The energy is that of `path`, within a bound that is three times tighter for eight times the samples.
+#[test]
+fn the_mean_is_that_of_path() {
+    with_gpu(|gpu| {
+        let scene = canon("cornell_spheres.xml", &[]);
+        let truth = film(gpu, &scene, "path", 1000, 8192);
+        for technique in ALL {
+            for (spp, bound) in [(32, 0.015), (256, 0.005)] {
+                assert_off(&format!("{technique}, {spp}"), &film(gpu, &scene, technique, 1, spp), &truth, bound);
+            }
+        }
+    });
+}
+
+/// The error falls with every eightfold of samples, and where the first radius is large, more than that: with a radius that stays, blur
+/// would be left.
+#[test]
+fn the_error_vanishes() {
+    with_gpu(|gpu| {
+        let scene = canon("cornell_spheres.xml", &[]);
+        let truth = film(gpu, &scene, "path", 1000, 8192).mean();
+        let error = |technique: &str, spp: u32| {
+            let relmse = compare(&film(gpu, &scene, technique, 1, spp).mean(), &truth).unwrap().relmse;
+            println!("{technique}, {spp} samples: relMSE {relmse:.2e}");
+            relmse
+        };
+        for (technique, bound) in [("photon", 0.015), ("vcm", 0.005)] {
+            let errors = [8, 64, 512].map(|spp| error(technique, spp));
+            assert!(errors.is_sorted_by(|a, b| *b < 0.3 * *a), "{technique}: {errors:?}");
+            assert!(errors[2] < bound, "{technique}: {errors:?}");
+        }
+        let at = |alpha: &str| error(&format!("photon:radius=0.1:alpha={alpha}"), 256);
+        let (shrinking, blurred) = (at("0.5"), at("1"));
+        assert!(shrinking < 0.5 * blurred, "{shrinking} against {blurred}");
+    });
+}
+
+/// Light paths are kept, sorted and met in any order; frames are cut within a stage, or hold all of them.
+#[test]
+fn no_order_changes_a_bit() {
+    let scene = canon("cornell_spheres.xml", &[]);
+    with_gpu(|gpu| {
+        for technique in ["photon", "vcm"] {
+            // A first frame has not the room for all pixels, later ones have.
+            let settings = Settings { width: 168, height: 160, ..settings(&scene, technique, Backend::Bvh) };
+            let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
+            let mut frames = 0;
+            let mut run = |renderer: &mut Renderer, targets: &[u32]| {
+                for target in targets {
+                    loop {
+                        frames += 1;
+                        if !renderer.advance(*target).unwrap() {
+                            break;
+                        }
+                    }
+                }
+                (renderer.film().unwrap(), std::mem::take(&mut frames))
+            };
+            let (first, cut) = run(&mut renderer, &[1, 2, 3, 4]);
+            renderer.restart(settings.seed).unwrap();
+            let (again, whole) = run(&mut renderer, &[4]);
+            println!("{technique}: {cut} frames, then {whole}");
+            assert!(cut > whole);
+            assert_eq!(first.sums, again.sums, "{technique}");
+            assert_eq!(first.squares, again.squares, "{technique}");
+            let fresh = render(gpu, &scene, &settings, 4);
+            assert_eq!(first.sums, fresh.sums, "{technique}");
+        }
+    });
+}
+
+/// Light that was refracted before and after it met the torus: nothing but chance brings it to `path`, so that its image takes many
+/// samples. The block of glass by itself, and the whole.
+#[test]
+fn light_through_glass_is_found() {
+    let scene = canon("torus_in_glass.xml", &[]);
+    with_gpu(|gpu| {
+        let small = |technique: &str, seed: u32, spp: u32| {
+            let settings = Settings { width: 32, height: 32, seed, ..settings(&scene, technique, Backend::Bvh) };
+            render(gpu, &scene, &settings, spp)
+        };
+        let truth = small("path", 1000, 32768);
+        for technique in ["photon:radius=0.01", "vcm:radius=0.01"] {
+            let found = small(technique, 1, 2048);
+            assert_off(&format!("torus_in_glass, {technique}"), &found, &truth, 0.02);
+            let block = off(&found, &truth, 10..22, 7..18);
+            println!("torus_in_glass, {technique}: the torus is off by {:+.2} %", 100.0 * block);
+            assert!(block.abs() < 0.05, "{technique}: {block}");
+        }
+    });
+}
+
+/// Where nothing from the camera can find the light at all, photon mapping and vertex merging converge to the same image: parallel light
+/// that a mirror throws on a table, as that mirror shows it. `bdpt` says that it misses some of it, and does; where the light has an
+/// extent, chance finds it, and nothing is said.
+#[test]
+fn hidden_caustics_are_found_by_merging_alone() {
+    with_gpu(|gpu| {
+        for (name, defines) in [("ring_caustic.xml", vec![("light", "directional")]), ("reflected_caustic.xml", vec![])]
+        {
+            let scene = canon(name, &defines);
+            let misses = Technique::parse("bdpt").unwrap().misses(&scene);
+            assert_eq!(misses.is_some(), scene.has_delta_lights(), "{name}: {misses:?}");
+            assert_eq!(Technique::parse("vcm").unwrap().misses(&scene), None);
+            let photon = film(gpu, &scene, "photon:radius=0.005", 1, 512);
+            let vcm = film(gpu, &scene, "vcm:radius=0.005", 2, 512);
+            assert_off(&format!("{name}: vcm against photon"), &vcm, &photon, 0.01);
+            let mut fine = 0;
+            for (x, y) in [(0, 0), (32, 0), (0, 32), (32, 32)] {
+                let tile = |film: &Film| common::tile_average(film, x..x + 32, y..y + 32)[1];
+                let (a, b) = (tile(&vcm), tile(&photon));
+                let (quarter, sigma) = (a.mean / b.mean - 1.0, (a.variance + b.variance).sqrt() / b.mean);
+                println!("{name}: the quarter at ({x}, {y}) is off by {quarter:+.4}, sigma {sigma:.4}");
+                // One sample that chance has made bright can hide a quarter: all others tell.
+                fine += u32::from(sigma < 0.02);
+                // Two per cent for what is left of blur.
+                assert!(quarter.abs() < 0.02 + 3.0 * sigma, "{name}: the quarter at ({x}, {y}) is off by {quarter}");
+            }
+            assert!(fine >= 3, "{name}: {fine} quarters are fine enough to tell");
+            if misses.is_some() {
+                let share = average(&film(gpu, &scene, "bdpt", 3, 256))[0].mean / average(&vcm)[0].mean;
+                println!("{name}: bdpt has {share:.4} of the light");
+                assert!((0.85..0.93).contains(&share), "{name}: bdpt has {share} of the light");
+            }
+        }
+    });
+}
+
+/// A furnace of albedo r: paths of k segments bring r^(k-1). On a sphere the area within a distance is that on a plane, so that not
+/// even the estimate's radius shows; albedos are high enough that many paths have more vertices than are kept.
+#[test]
+fn furnace() {
+    const LAYERS: u32 = 5;
+    let scene = canon("furnace_sphere.xml", &[("size", "32")]);
+    with_gpu(|gpu| {
+        for technique in ALL {
+            let settings =
+                Settings { lengths: LAYERS, ..settings(&scene, &format!("{technique}:radius=0.1"), Backend::Bvh) };
+            let film = render(gpu, &scene, &settings, 512);
+            for (channel, r) in [0.5f64, 0.25, 0.75].into_iter().enumerate() {
+                let mean = average(&film)[channel].mean;
+                let expected = 1.0 / (1.0 - r);
+                println!("{technique}, channel {channel}: {mean:.4} against {expected:.4}");
+                assert!(
+                    (mean / expected - 1.0).abs() < 5e-3,
+                    "{technique}, channel {channel}: {mean} against {expected}"
+                );
+                for layer in 0..LAYERS {
+                    let last = if layer + 1 == LAYERS { 1.0 - r } else { 1.0 };
+                    let expected = r.powi(layer as i32) / last;
+                    let values = film.length(layer as usize);
+                    let mean = values.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>()
+                        / values.pixels.len() as f64;
+                    println!("{technique}, channel {channel}, {} segments: {mean:.5} against {expected:.5}", layer + 1);
+                    assert!(
+                        (mean / expected - 1.0).abs() < 1e-2,
+                        "{technique}, {} segments: {mean} against {expected}",
+                        layer + 1
+                    );
+                }
+            }
+        }
+    });
+}
+
+/// Where paths have to end, they end at the same number of segments as those of `path`, by whatever they were found.
+#[test]
+fn paths_end_where_they_have_to() {
+    let scene = canon("cornell_spheres.xml", &[]);
+    with_gpu(|gpu| {
+        for (max_depth, techniques) in [(1, &ALL[..1]), (2, &ALL[..]), (3, &ALL[1..3]), (5, &ALL[..])] {
+            let film = |technique: &str, seed: u32, spp: u32| {
+                let settings = Settings {
+                    width: SIZE,
+                    height: SIZE,
+                    max_depth: Some(max_depth),
+                    lengths: max_depth + 1,
+                    seed,
+                    ..settings(&scene, technique, Backend::Bvh)
+                };
+                render(gpu, &scene, &settings, spp)
+            };
+            let truth = film("path", 1000, 2048);
+            for technique in techniques {
+                let found = film(technique, 1, 256);
+                assert_off(&format!("{technique}, {max_depth} segments"), &found, &truth, 0.015);
+                let longer = found.length(max_depth as usize);
+                assert!(
+                    longer.pixels.iter().all(|pixel| *pixel == [0.0; 3]),
+                    "{technique}: more than {max_depth} segments"
+                );
+            }
+        }
+    });
+}
+
+/// A camera that looks at the middle of the room, with the default filter.
+const CAMERA: &str = "<sensor type='perspective'><float name='fov' value='40'/>
+    <transform name='to_world'><lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/></transform></sensor>";
+
+/// Every kind of material, and of light, on both sides of a gathering.
+#[test]
+fn every_material_and_light() {
+    let matte = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.5, 0.7'/></bsdf>";
+    let ball_and_sky =
+        "<shape type='sphere'><point name='center' x='0' y='2.2' z='0'/><float name='radius' value='0.4'/>
+        <emitter type='area'><rgb name='radiance' value='9, 8, 7'/></emitter></shape>
+        <emitter type='constant'><rgb name='radiance' value='0.4, 0.5, 0.6'/></emitter>";
+    let spot = "<emitter type='spot'><float name='cutoff_angle' value='35'/><rgb name='intensity' value='30, 28, 25'/>
+        <transform name='to_world'><lookat origin='1, 3, 2' target='0, 0, 0' up='0, 1, 0'/></transform></emitter>";
+    let mut rooms: Vec<(String, String)> = vec![
+        (String::from("a ball and the sky"), [&room(matte, matte), ball_and_sky].concat()),
+        (String::from("a spot"), [&room(matte, matte), spot].concat()),
+    ];
+    for (a, b) in material_pairs() {
+        rooms.push((format!("{} and {}", a.0, b.0), [&room(a.1, b.1), LAMP].concat()));
+    }
+    with_gpu(|gpu| {
+        for (index, (name, elements)) in rooms.into_iter().enumerate() {
+            let scene = scene(&[CAMERA, &elements].concat());
+            let truth = film(gpu, &scene, "path", 1000, 1024);
+            // vcm has all that photon has, and more.
+            for technique in if index < 4 { &["vcm", "photon"][..] } else { &["vcm"] } {
+                assert_off(&format!("{name}, {technique}"), &film(gpu, &scene, technique, 1, 256), &truth, 0.02);
+            }
+        }
+    });
+}
