@@ -76,10 +76,10 @@ impl Query {
         let (connects, merges) = (["vcm", "bpt"].contains(&form), form != "bpt");
         let mut all = [0.0; 2 * MOST];
         let lens = if self.lens_a > 0.0 { f64::from(self.lens_a) } else { 1.0 };
-        for s in 0..n {
+        for (s, density) in all.iter_mut().enumerate().take(n) {
             let t = n - s;
             let joins_delta = s > 0 && t > 1 && is_delta(t - 1) || s > 1 && is_delta(t);
-            all[s] = if joins_delta || s > 0 && !connects { 0.0 } else { lens * from_camera(t) * from_light(s) };
+            *density = if joins_delta || s > 0 && !connects { 0.0 } else { lens * from_camera(t) * from_light(s) };
         }
         // The first segment of a light path is not looked at: (1, 1) and (0, 2) do better.
         all[n] = if self.lens_a > 0.0 && connects && n > 2 { from_light(n) } else { 0.0 };

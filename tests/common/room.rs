@@ -25,14 +25,17 @@ pub fn room(block: &str, ball: &str) -> String {
 pub const LAMP: &str = "<shape type='rectangle'><transform name='to_world'><scale value='0.6'/><rotate x='1' angle='90'/>
     <translate y='2.6'/></transform><bsdf type='diffuse'/><emitter type='area'><rgb name='radiance' value='9, 8, 7'/></emitter></shape>";
 
+/// A name and what it stands for.
+pub type Named = (&'static str, &'static str);
+
 /// The materials two by two, the last with the first: each in a room with another.
-pub fn material_pairs() -> Vec<((&'static str, &'static str), (&'static str, &'static str))> {
+pub fn material_pairs() -> Vec<(Named, Named)> {
     let pair = |index: usize| (MATERIALS[index], MATERIALS[(index + 1) % MATERIALS.len()]);
     (0..MATERIALS.len()).step_by(2).map(pair).collect()
 }
 
 /// Materials that reflect and refract in every way: rough, smooth, coated, mixed, with holes.
-pub const MATERIALS: [(&str, &str); 9] = [
+pub const MATERIALS: [Named; 9] = [
     ("rough metal", "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>"),
     ("glass", "<bsdf type='dielectric'/>"),
     ("rough glass", "<bsdf type='roughdielectric'><float name='alpha' value='0.4'/></bsdf>"),
