@@ -277,8 +277,8 @@ pub const INTEGRATORS: &[Integrator] = &[
             WEIGHTS,
             Parameter {
                 name: "form",
-                about: "which strategies take part: all; bpm, merges anywhere; ppm, a merge at the camera's first vertex that is no \
-                        mirror or smooth glass; bpt, none of these",
+                about: "which strategies take part: all; bpm, merges anywhere alone; ppm, a merge at the camera's first vertex that is no \
+                        mirror or smooth glass; bpt, all but merges",
                 values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
             },
             RADIUS,
