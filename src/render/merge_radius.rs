@@ -4,6 +4,7 @@
 //! (k + alpha) / (k + 1) after the k-th sample. Then the mean of the samples has both less blur and less noise the more there are.
 
 use super::settings::Technique;
+use crate::scene::Scene;
 
 /// The radius of each sample.
 #[derive(Clone, Copy, Debug)]
@@ -14,15 +15,15 @@ pub(super) struct MergeRadius {
 }
 
 impl MergeRadius {
-    /// By the technique's parameters `radius` and `alpha`, where what light meets has a certain radius and each sample so many light
-    /// paths. The more these are, the closer they lie: a radius that falls like the root of their number meets as many of them.
-    pub fn of(technique: &Technique, core_radius: f32, light_paths: u32) -> Self {
+    /// By the technique's parameters `radius` and `alpha`, as a share of the radius of [`Scene::core`], with so many light paths in each
+    /// sample. The more these are, the closer they lie: a radius that falls like the root of their number meets as many of them.
+    pub fn of(technique: &Technique, scene: &Scene, light_paths: u32) -> Self {
         let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok());
         let (Some(radius), Some(alpha)) = (number("radius"), number("alpha")) else {
             return Self { first: 0.0, alpha: 1.0 };
         };
         let share = if radius > 0.0 { radius } else { 1.0 / f64::from(light_paths.max(1)).sqrt() };
-        Self { first: share * f64::from(core_radius), alpha }
+        Self { first: share * f64::from(scene.core().1), alpha }
     }
 
     /// Of the sample with this index: of that alone, so that it does not matter how a rendering is cut into frames.

@@ -114,7 +114,7 @@ impl Renderer {
                 scratch.size.room(gpu.limits().max_workgroups),
             ),
             stages,
-            merge_radius: MergeRadius::of(&settings.technique, scene.core_radius(), scratch.size.light_paths),
+            merge_radius: MergeRadius::of(&settings.technique, scene, scratch.size.light_paths),
             seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
             passes,
             scratch,

@@ -106,7 +106,7 @@ impl Uploaded {
         let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
         let plane = settings.image_plane(scene)?;
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
-        let core = scene.core_bounds();
+        let (core_centre, core_radius) = scene.core();
         let uniforms = SceneUniforms {
             camera_origin: vector(plane.origin),
             camera_corner: vector(plane.corner),
@@ -158,8 +158,8 @@ impl Uploaded {
             instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
             centre: (0.5 * (scene.bounds.min + scene.bounds.max)).into(),
             radius: sphere_radius(scene),
-            core_centre: (0.5 * (core.min + core.max)).into(),
-            core_radius: scene.core_radius() * SPHERE_MARGIN,
+            core_centre: core_centre.into(),
+            core_radius: core_radius * SPHERE_MARGIN,
             splat_unit: splat_unit(scene),
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,

@@ -225,19 +225,17 @@ impl Scene {
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.
     pub fn radius(&self) -> f32 {
-        let radius = 0.5 * (self.bounds.max - self.bounds.min).length();
-        if radius > 0.0 { radius } else { 1.0 }
+        radius_around(self.bounds)
     }
 
-    /// Radius of a sphere around [`Scene::core_bounds`]; 1 where that is a point or nothing.
-    pub fn core_radius(&self) -> f32 {
+    /// Centre and radius of a sphere around everything that is placed and does not emit, or around everything where all does; 1 where
+    /// that is a point. Looks at every primitive.
+    pub fn core(&self) -> (Vec3, f32) {
         let bounds = self.core_bounds();
-        let radius = 0.5 * (bounds.max - bounds.min).length();
-        if radius > 0.0 { radius } else { 1.0 }
+        (0.5 * (bounds.min + bounds.max), radius_around(bounds))
     }
 
-    /// Box around everything that is placed and does not emit, or around everything where all does.
-    pub fn core_bounds(&self) -> Bounds {
+    fn core_bounds(&self) -> Bounds {
         let dark =
             |primitive: &&Primitive| self.surfaces[(primitive.surface & SURFACE_MASK) as usize].emission == [0.0; 3];
         let of_group = |group: &Group| {
@@ -254,4 +252,10 @@ impl Scene {
     pub fn group_bounds(&self, group: &Group) -> Bounds {
         self.primitives[group.primitives()].iter().map(primitive_bounds).fold(Bounds::EMPTY, Bounds::union)
     }
+}
+
+/// Radius of a sphere around a box; 1 where that is a point or nothing.
+fn radius_around(bounds: Bounds) -> f32 {
+    let radius = 0.5 * (bounds.max - bounds.min).length();
+    if radius > 0.0 { radius } else { 1.0 }
 }
