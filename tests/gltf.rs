@@ -136,6 +136,15 @@ fn glass_absorbs_by_beer_and_lambert() {
     let r = 0.04f64;
     let through = [0.9, 0.5, 1.0].map(|a: f64| (1.0 - r).powi(2) * a / (1.0 - r * r * a * a));
     expect("slab", &file.load(), 1024, through);
+    // From inside, 0.15 before the far face: A' = c^0.3 on the way there, one factor T, and radiance is eta^2 as large in glass.
+    let camera = file.json["nodes"][0].clone();
+    file.json["nodes"][0]["translation"] = json!([0, 0, -0.1]);
+    let within = [0.81f64, 0.25, 1.0].map(|c| {
+        let a = c.sqrt();
+        1.5f64.powi(2) * c.powf(0.3) * (1.0 - r) / (1.0 - r * r * a * a)
+    });
+    expect("within the slab", &file.load(), 1024, within);
+    file.json["nodes"][0] = camera;
     // A thin wall of the same material neither refracts nor absorbs: one factor T.
     file.json["materials"][0]["extensions"]["KHR_materials_volume"]["thicknessFactor"] = json!(0);
     file.json["scenes"][0]["nodes"] = json!([0, 1, 3]);

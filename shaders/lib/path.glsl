@@ -32,6 +32,7 @@ Path path_begin(inout Pixel pixel, inout Estimate e) {
     Sampler random;
     Ray ray = sample_open(pixel, e, random);
     Path path = path_along(ray, random, true);
+    if (HAS_ABSORPTION) path.absorption = scene.camera_absorption;
     if (HAS_MIP_MAPS) path.cone = camera_cone(path.ray.direction);
     return path;
 }

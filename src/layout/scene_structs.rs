@@ -329,6 +329,8 @@ shared_structs! {
         lens_y: vec3,
         /// Distance along the viewing direction at which a thin lens is in focus, in lengths of it.
         focus: float,
+        /// Absorption of the medium that the camera stands in, 1/m.
+        camera_absorption: vec3,
         /// Radiance of the background, or the factor on its texture.
         background: vec3,
         /// Texture of the background, or [`NONE`].

@@ -115,6 +115,7 @@ impl Uploaded {
             lens_x: vector(plane.lens_x),
             lens_y: vector(plane.lens_y),
             focus: plane.focus as f32,
+            camera_absorption: scene.absorption_at(plane.origin),
             background: scene.background.unwrap_or_default(),
             background_texture: scene.environment.as_ref().map_or(NONE, |environment| environment.texture),
             background_x: rotation[0],

@@ -19,6 +19,7 @@ mod light_tree;
 mod limits;
 pub mod load;
 pub mod material;
+mod medium;
 mod mesh;
 mod metals;
 pub mod microfacets;
