@@ -12,9 +12,6 @@ const bool CONNECTS = true;
 const bool MERGES = false;
 const bool MERGES_FIRST = false;
 
-// The longest path that has vertices from both sides.
-uint longest() { return min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
-
 #if defined(PASS_LIGHT)
 #include "trace/backend.glsl"
 #include "lib/bidirectional_light.glsl"

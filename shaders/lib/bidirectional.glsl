@@ -5,13 +5,17 @@
 //
 // Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale. Before this is
 // included, the technique defines
-//     bool CONNECTS   strategies that join two vertices by a segment take part, next-event estimation and light tracing among them
-//     bool MERGES     merges do, within frame.merge_radius
+//     bool CONNECTS       strategies that join two vertices by a segment take part, next-event estimation and light tracing among them
+//     bool MERGES         merges do, within frame.merge_radius
+//     bool MERGES_FIRST   of these only the one at the camera's first vertex that is not a mirror or smooth glass
 
 // PARAM0 of techniques that combine strategies.
 const uint WEIGHTS_POWER = 0u;   // the power heuristic, exponent 2
 const uint WEIGHTS_BALANCE = 1u; // the balance heuristic
 const uint WEIGHTS_NONE = 2u;    // all strategies that can sample the path count alike
+
+// The longest path that has vertices from both sides.
+uint longest() { return MERGES_FIRST ? MAX_DEPTH : min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
 
 // Partial sums at a vertex of either part, over the strategies that have fewer vertices on its side, as ratios to a connection that
 // ends there. Where connections and merges both take part, Georgiev's third sum is d_vc over the density of merges.

@@ -65,19 +65,41 @@ void gather_light(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, bool both
     gather(pixel, e, 1u, path.depth + 2u, value, 1.0 / (1.0 + others));
 }
 
-// s > 1: connections to the vertices of one light path.
-void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, inout Estimate e) {
+// s > 1: connections to the vertices of one light path. All are weighed, and one ray is traced for them: along one of those that were
+// chosen in proportion to what they would bring, which stands for all (Talbot, Cline and Egbert 2005, "Importance resampling for global
+// illumination"). Layers of strategies have a ray for each.
+void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, float u, inout Estimate e) {
     uint index = pixel.index % frame.light_path_count;
     Sampler random = light_path_random(index, pixel.sample_index);
     LightPath others = light_path_of(index, pixel.sample_index);
-    uint t = path.depth + 2u;
+    uint t = path.depth + 2u, s = 0u;
+    float total = 0.0, share = 0.0;
+    Connection chosen;
     for (uint i = 0u; i < others.count; i++) {
         LightVertex y = others.at[i];
         if (t + y.segments > longest()) break;
-        float weight;
-        vec3 value = path.throughput * connect(path, v, b, p, y, random, weight, e.rays);
-        gather(pixel, e, y.segments + 1u, t, value, weight);
+        Connection c = connect(path, v, b, p, y, random);
+        if (c.value == vec3(0.0)) continue;
+        c.value *= path.throughput;
+        if (HAS_STRATEGIES) {
+            gather(pixel, e, y.segments + 1u, t, c.value * segment_transmittance(c.ray, c.absorption, e.rays), c.weight);
+            continue;
+        }
+        float brings = max(c.value.x, max(c.value.y, c.value.z)) * c.weight;
+        if (!(brings > 0.0)) continue;
+        total += brings;
+        // Chooses by what is left of the same number (Chao 1982).
+        float probability = brings / total;
+        if (u < probability) {
+            chosen = c;
+            share = brings;
+            s = y.segments + 1u;
+            u /= probability;
+        } else {
+            u = (u - probability) / (1.0 - probability);
+        }
     }
+    if (share > 0.0) gather(pixel, e, s, t, chosen.value * segment_transmittance(chosen.ray, chosen.absorption, e.rays), chosen.weight * (total / share));
 }
 
 bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e) {
@@ -107,7 +129,7 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
         if (CONNECTS) gather_light(pixel, path, v, b, p, both_sides, light_u, e);
-        if (CONNECTS && both_sides) gather_connections(pixel, path, v, b, p, e);
+        if (CONNECTS && both_sides) gather_connections(pixel, path, v, b, p, next4(path.random).x, e);
         if (MERGES && both_sides) gather_merges(path, v, b, p, e);
         if (MERGES_FIRST) return false;
     }

@@ -21,10 +21,18 @@ void keep_count(LightPath kept, uint met) {
 // out, to have the same number of them for every camera.
 float lens_choice() { return CONNECTS && CAMERA == CAMERA_THIN_LENS && !HAS_STRATEGIES ? 1.0 / scaled_area(lens_area()) : 0.0; }
 
-// What the vertex of a path from the camera receives from a vertex of a light path, over the path's throughput, and the weight of that
-// among all strategies for the whole path. `random` is at the beginning of the light path.
-vec3 connect(Path path, Vertex v, Bsdf b, Partial p, LightVertex y, Sampler random, out float weight, inout uint rays) {
-    weight = 0.0;
+// A vertex of a path from the camera joined to one of a light path.
+struct Connection {
+    vec3 value;      // what the first receives over the path's throughput, were nothing in between
+    float weight;    // of this among all strategies for the whole path
+    Ray ray;         // from the first to the second
+    vec3 absorption; // in between
+};
+
+// `random` is at the beginning of the light path.
+Connection connect(Path path, Vertex v, Bsdf b, Partial p, LightVertex y, Sampler random) {
+    Connection joined;
+    joined.value = vec3(0.0);
     Ray arrived = Ray(y.position, y.direction, INFINITY);
     Vertex w = vertex_at(arrived, Hit(0.0, y.primitive, y.instance, y.uv));
     random.dimension = y.dimension;
@@ -32,19 +40,19 @@ vec3 connect(Path path, Vertex v, Bsdf b, Partial p, LightVertex y, Sampler rand
 
     vec3 d = w.at.position - v.at.position;
     float distance2 = dot(d, d);
-    if (distance2 == 0.0) return vec3(0.0);
+    if (distance2 == 0.0) return joined;
     vec3 towards = d * inversesqrt(distance2);
     vec3 local = vertex_to_local(v, towards), other = vertex_to_local(w, -towards);
-    vec3 value = y.power * vertex_eval(v, b, path.ray, local, towards) * light_vertex_eval(w, c, arrived, other, -towards) / distance2;
-    if (value == vec3(0.0)) return value;
+    joined.value = y.power * vertex_eval(v, b, path.ray, local, towards) * light_vertex_eval(w, c, arrived, other, -towards) / distance2;
+    if (joined.value == vec3(0.0)) return joined;
 
     float area = scaled_area(distance2);
     float from_light = bsdf_pdf(c, w.wo, other) * abs(dot(towards, v.at.normal)) / area;
     float from_camera = bsdf_pdf(b, v.wo, local) * abs(dot(towards, w.at.normal)) / area;
     float others = partial_sum(p, from_light, bsdf_pdf(b, local, v.wo), vertex_opacity(v)) +
                    partial_sum(Partial(y.d_vcm, y.d_vc), from_camera, bsdf_pdf(c, other, w.wo), vertex_opacity(w));
-
-    Ray ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
-    weight = 1.0 / (1.0 + others);
-    return value * segment_transmittance(ray, vertex_absorption(v, b, path.absorption, local), rays);
+    joined.weight = 1.0 / (1.0 + others);
+    joined.ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
+    joined.absorption = vertex_absorption(v, b, path.absorption, local);
+    return joined;
 }

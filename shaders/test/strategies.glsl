@@ -2,9 +2,7 @@
 // integrators/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is tests/strategies.rs's.
 #version 460
 #include "lib/prelude.glsl"
-
-const bool CONNECTS = PARAM1 == 0u || PARAM1 == 3u; // the forms of integrators/vcm.glsl
-const bool MERGES = PARAM1 != 3u;
+#include "lib/vcm_forms.glsl"
 #include "lib/bidirectional.glsl"
 
 layout(local_size_x = WORKGROUP) in;
