@@ -5,13 +5,26 @@
 
 use crate::layout::{BIDIRECTIONAL_LENGTH, LIGHT_VERTEX_BYTES, PHOTON_BYTES, PHOTONS_OF_PATH};
 
-/// What transport a technique accounts for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What transport a technique accounts for; each kind is a part of the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Solves {
     /// Emission and light that was scattered once: paths of one and two segments.
     Direct,
+    /// The same as the camera sees it by way of any number of mirrors and smooth glass.
+    Mirrored,
     /// All of it: the rendering equation.
     Everything,
+}
+
+impl Solves {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Direct => "emission and direct light",
+            Self::Mirrored => "emission and direct light, also as mirrors and smooth glass show them",
+            Self::Everything => "full light transport",
+        }
+    }
 }
 
 /// How the expected image relates to the true one.
@@ -191,6 +204,35 @@ pub const INTEGRATORS: &[Integrator] = &[
         }],
     },
     Integrator {
+        name: "whitted",
+        title: "recursive ray tracing (Whitted)",
+        file: "whitted.glsl",
+        passes: PIXELS,
+        solves: Solves::Mirrored,
+        bias: Bias::Unbiased,
+        rr_depth: 5,
+        splats: false,
+        kept: Kept::Nothing,
+        misses: &[],
+        parameters: &[
+            Parameter {
+                name: "branches",
+                about: "where glass or a coating both reflects and refracts: follow both, or one by chance",
+                values: Values::Choice(&["both", "one"]),
+            },
+            Parameter {
+                name: "lights",
+                about: "area: a random point of a light for each shadow ray; point: the same one of each triangle or sphere, so that shadows are sharp",
+                values: Values::Choice(&["area", "point"]),
+            },
+            Parameter {
+                name: "shadow-rays",
+                about: "rays to lights from each vertex, rounded down",
+                values: Values::Number(1.0, 256.0, 1.0),
+            },
+        ],
+    },
+    Integrator {
         name: "path-implicit",
         title: "implicit path tracing (BSDF sampling only)",
         file: "path_implicit.glsl",
@@ -227,6 +269,24 @@ pub const INTEGRATORS: &[Integrator] = &[
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
         parameters: &[],
+    },
+    Integrator {
+        name: "path-recursive",
+        title: "explicit path tracing as the rendering equation recurses",
+        file: "path_recursive.glsl",
+        passes: PIXELS,
+        solves: Solves::Everything,
+        bias: Bias::Unbiased,
+        rr_depth: 5,
+        splats: false,
+        kept: Kept::Nothing,
+        misses: &[Missing::DeltaCaustics],
+        parameters: &[Parameter {
+            name: "returns",
+            about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \
+                    is path to the last bit",
+            values: Values::Choice(&["radiance", "nothing"]),
+        }],
     },
     Integrator {
         name: "light",

@@ -251,7 +251,10 @@ fn bad_commands_name_what_is_valid() {
         let args: Vec<&str> = ["render", &cornell].into_iter().chain(args.iter().copied()).collect();
         fails(here, &args, 2)
     };
-    assert!(render(&["-i", "bogus"]).contains("direct, path-implicit, path, light, bdpt, vcm or photon"));
+    assert!(
+        render(&["-i", "bogus"])
+            .contains("direct, whitted, path-implicit, path, path-recursive, light, bdpt, vcm or photon")
+    );
     assert!(render(&["-i", "direct:sampling=bogus"]).contains("mis, emitter or bsdf"));
     assert!(render(&["-i", "direct:bogus=1"]).contains("valid are sampling"));
     assert!(render(&["-i", "path-implicit:q=2"]).contains("0 to 0.99"));

@@ -170,15 +170,18 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
 
 // Russian roulette: the path survives with the probability that it still matters, which keeps throughputs near one; `scale` on its
 // throughput takes out what comes back by itself. A constant limit below one would make throughputs grow without bound where nearly all
-// light is reflected. False where the path ends.
-bool path_survives(inout Path path, float scale, float u) {
+// light is reflected.
+float path_survival(Path path, float scale) {
     float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
-    if (greatest == 0.0) return false;
-    if (path.depth >= RR_DEPTH) {
-        float survive = min(greatest * scale, path.depth < ENDLESS ? 1.0 : 0.999);
-        if (u >= survive) return false;
-        path.throughput /= survive;
-    }
+    if (path.depth < RR_DEPTH) return greatest > 0.0 ? 1.0 : 0.0;
+    return min(greatest * scale, path.depth < ENDLESS ? 1.0 : 0.999);
+}
+
+// False where the path ends.
+bool path_survives(inout Path path, float scale, float u) {
+    float survival = path_survival(path, scale);
+    if (u >= survival) return false;
+    path.throughput /= survival;
     return true;
 }
 

@@ -122,8 +122,11 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
     if technique.value("form") == Some("biased") {
         all.push(String::from("its biased form ends paths at the first light or at a fixed length"));
     }
-    if row.solves == Solves::Direct && entry.settings.technique.row.solves != Solves::Direct {
-        all.push(String::from("accounts for emission and direct light only"));
+    if technique.row.name == "whitted" && technique.value("lights") == Some("point") {
+        all.push(String::from("its lights are points, whose shadows are sharp"));
+    }
+    if row.solves < entry.settings.technique.row.solves {
+        all.push(format!("accounts for {} only", row.solves.what()));
     }
     all.extend(technique.misses(&entry.scene).map(|missed| format!("does not find {missed}")));
     all.join("; ")
@@ -132,11 +135,7 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
 /// The technique of references: one that accounts for what the columns account for and finds all of it in the scene, unbiased where there
 /// is one.
 pub(super) fn reference_technique(techniques: &[Technique], scene: &Scene) -> Result<Technique> {
-    let solves = if techniques.iter().all(|technique| technique.row.solves == Solves::Direct) {
-        Solves::Direct
-    } else {
-        Solves::Everything
-    };
+    let solves = techniques.iter().map(|technique| technique.row.solves).max().unwrap_or(Solves::Everything);
     let fit = |row: &&Integrator| {
         let finds_all = Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
         row.solves == solves && finds_all && !row.misses.contains(&Missing::DeltaLights)

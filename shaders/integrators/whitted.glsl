@@ -1,0 +1,108 @@
+// `whitted`: recursive ray tracing (Whitted 1980, "An improved illumination model for shaded display"). Light that came straight from a
+// light and was scattered once, as the camera sees it by way of any number of mirrors and smooth glass. Where glass or a coating both
+// reflects and refracts, the path branches; nothing else scatters further.
+//
+// branches=one follows one of the two by chance instead: the same image in the mean, by single paths.
+// lights=point takes one point of each triangle or sphere for all of it (of a triangle its middle), as the first ray tracers did: shadows are sharp.
+#version 460
+#include "lib/prelude.glsl"
+#include "trace/backend.glsl"
+#include "lib/path.glsl"
+
+const bool BRANCHES = PARAM0 == 0u;
+const bool POINT_LIGHTS = PARAM1 == 1u;
+uint shadow_rays() { return uint(uintBitsToFloat(PARAM2)); }
+
+// The recursion's stack: branches that wait for their turn. Each level of the tree leaves at most one; where there is no room, a path
+// follows one by chance.
+struct Branch {
+    Ray ray;
+    vec3 throughput, absorption;
+    float eta;
+    uint depth;
+    Cone cone;
+};
+const uint ROOM = 12u;
+Branch stack[ROOM];
+uint waiting = 0u;
+
+void put_aside(Path path) { stack[waiting++] = Branch(path.ray, path.throughput, path.absorption, path.eta, path.depth, path.cone); }
+
+// Takes up a branch that waits, with random numbers that nothing has used.
+void take_up(inout Path path) {
+    Branch branch = stack[--waiting];
+    path.ray = branch.ray;
+    path.from.position = branch.ray.origin;
+    path.throughput = branch.throughput;
+    path.absorption = branch.absorption;
+    path.eta = branch.eta;
+    path.depth = branch.depth;
+    path.cone = branch.cone;
+}
+
+// The two lobes between which u.z decides, each weighted by its own share; one without weight is not there, or is no mirror's.
+void lobes(Path path, Vertex v, Bsdf b, vec2 u, out BsdfSample first, out BsdfSample second) {
+    first = vertex_sample(v, b, path.ray, vec3(u, 0.0));
+    second = vertex_sample(v, b, path.ray, vec3(u, 1.0 - 2.0 * MACHINE_EPSILON));
+    first.weight *= first.delta ? first.pdf_w : 0.0;
+    second.weight *= second.delta && first.wi != second.wi ? second.pdf_w : 0.0;
+}
+
+bool has_two_lobes(Bsdf b) {
+    return is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC) || is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC) ||
+           is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC);
+}
+
+bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
+    if (!s.delta) return false;
+    path_scatter(path, v, b, s);
+    return path_survives(path, path.eta * path.eta, u);
+}
+
+// Light that is scattered by the vertex once.
+void gather_lights(Path path, Vertex v, Bsdf b, Sampler random, inout Estimate e) {
+    for (uint i = 0u; i < shadow_rays(); i++) {
+        vec4 u = next4(random);
+        bool whole = !POINT_LIGHTS || (HAS_BACKGROUND && u.x < scene.background_probability); // the background has no middle
+        LightSample light = light_sample(vertex_receiver(v, b), whole ? u : vec4(u.xy, 0.5, 0.5));
+        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, vertex_to_local(v, light.wi), light.wi) * light.weight / float(shadow_rays());
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
+    }
+}
+
+// Follows one branch to its next vertex; false where it ends there.
+bool branch_extend(inout Path path, inout Estimate e) {
+    Hit hit;
+    bool found = path_trace(path, hit, e);
+    if (!found) {
+        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
+        return false;
+    }
+    Vertex v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
+    path_measure(path, v);
+    contribute(e, path.depth + 1u, path.throughput * vertex_emission(v, path.ray));
+    if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
+    Bsdf b = vertex_material(v, path.ray, path.random);
+    if (!bsdf_is_delta(b)) {
+        gather_lights(path, v, b, path.random, e);
+        path.random.dimension += shadow_rays();
+    }
+
+    vec4 u = next4(path.random);
+    if (!BRANCHES || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
+    BsdfSample first, second;
+    lobes(path, v, b, u.xy, first, second);
+    Path other = path;
+    if (goes_on(other, v, b, first, u.w)) put_aside(other);
+    return goes_on(path, v, b, second, u.z);
+}
+
+bool path_extend(inout Path path, inout Estimate e) {
+    if (branch_extend(path, e)) return true;
+    if (waiting == 0u) return false;
+    take_up(path);
+    return true;
+}
+
+#include "lib/pixel_main.glsl"
