@@ -120,6 +120,8 @@ pub struct Parameter {
     pub about: &'static str,
     /// What it may be.
     pub values: Values,
+    /// The value that makes an unbiased technique biased, and what is wrong then.
+    pub biased: Option<(&'static str, &'static str)>,
 }
 
 /// One technique.
@@ -167,6 +169,7 @@ const WEIGHTS: Parameter = Parameter {
     name: "weights",
     about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
     values: Values::Choice(&["power", "balance", "none"]),
+    biased: None,
 };
 
 /// Within which paths from the camera meet vertices of light paths, see `src/render/merge_radius.rs`.
@@ -175,6 +178,7 @@ const RADIUS: Parameter = Parameter {
     about: "within which the first sample looks for light paths, as a share of the radius of all that does not emit; 0 is one over \
             the root of the number of light paths in a sample, which is that of pixels where there is room",
     values: Values::Number(0.0, 1.0, 0.0),
+    biased: None,
 };
 
 /// How that shrinks.
@@ -182,6 +186,7 @@ const ALPHA: Parameter = Parameter {
     name: "alpha",
     about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
     values: Values::Number(0.0, 1.0, 2.0 / 3.0),
+    biased: None,
 };
 
 /// Every technique.
@@ -201,6 +206,7 @@ pub const INTEGRATORS: &[Integrator] = &[
             name: "sampling",
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
             values: Values::Choice(&["mis", "emitter", "bsdf"]),
+            biased: None,
         }],
     },
     Integrator {
@@ -219,16 +225,20 @@ pub const INTEGRATORS: &[Integrator] = &[
                 name: "branches",
                 about: "where glass or a coating both reflects and refracts: follow both, or one by chance",
                 values: Values::Choice(&["both", "one"]),
+                biased: None,
             },
             Parameter {
                 name: "lights",
-                about: "area: a random point of a light for each shadow ray; point: the same one of each triangle or sphere, so that shadows are sharp",
+                about: "area: a random point of a light for each shadow ray; point: the same one of each triangle or sphere, so that \
+                        shadows are sharp",
                 values: Values::Choice(&["area", "point"]),
+                biased: Some(("point", "its lights are points, whose shadows are sharp")),
             },
             Parameter {
                 name: "shadow-rays",
                 about: "rays to lights from each vertex, rounded down",
                 values: Values::Number(1.0, 256.0, 1.0),
+                biased: None,
             },
         ],
     },
@@ -249,11 +259,13 @@ pub const INTEGRATORS: &[Integrator] = &[
                 about: "unbiased: emission at every vertex, Russian roulette; biased: ends at the first light or at a fixed \
                         length (8 segments where --max-depth sets none)",
                 values: Values::Choice(&["unbiased", "biased"]),
+                biased: Some(("biased", "its biased form ends paths at the first light or at a fixed length")),
             },
             Parameter {
                 name: "q",
                 about: "probability that Russian roulette ends the path at a vertex",
                 values: Values::Number(0.0, 0.99, 0.1),
+                biased: None,
             },
         ],
     },
@@ -286,6 +298,7 @@ pub const INTEGRATORS: &[Integrator] = &[
             about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \
                     is path to the last bit",
             values: Values::Choice(&["radiance", "nothing"]),
+            biased: None,
         }],
     },
     Integrator {
@@ -340,6 +353,7 @@ pub const INTEGRATORS: &[Integrator] = &[
                 about: "which strategies take part: all; bpm, merges anywhere alone; ppm, a merge at the camera's first vertex that is no \
                         mirror or smooth glass; bpt, all but merges",
                 values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
+                biased: None,
             },
             RADIUS,
             ALPHA,
@@ -368,6 +382,7 @@ pub const INTEGRATORS: &[Integrator] = &[
                 name: "direct",
                 about: "what brings light that was scattered once: next-event estimation, or photons like all other",
                 values: Values::Choice(&["nee", "photons"]),
+                biased: None,
             },
             RADIUS,
             ALPHA,

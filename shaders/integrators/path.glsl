@@ -5,6 +5,7 @@
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
+#include "lib/next_event.glsl"
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
@@ -27,13 +28,7 @@ bool path_extend(inout Path path, inout Estimate e) {
     // 2. Next-event estimation: a sample of the lights, weighted against the chance that the BSDF picks its direction.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(b)) {
-        LightSample light = light_sample(vertex_receiver(v, b), light_u);
-        vec3 wi = vertex_to_local(v, light.wi);
-        float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi));
-        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;
-        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
-    }
+    contribute(e, path.depth + 2u, next_event(path, v, b, path.throughput, light_u, e.rays));
 
     // 3. The next direction.
     path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));

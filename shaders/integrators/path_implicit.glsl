@@ -7,24 +7,16 @@
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
+#include "lib/chance.glsl"
 
 const uint FORM_BIASED = 1u;
 const uint FIXED_LENGTH = 8u; // of the biased form, where the scene gives no limit
 
 bool path_extend(inout Path path, inout Estimate e) {
-    Hit hit;
-    bool found = path_trace(path, hit, e);
-    if (!found) {
-        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
-        return false;
-    }
-    Vertex v = vertex_at(path.ray, hit);
-    path_absorb(path, v);
-    path_measure(path, v);
-
     // 1. Emission that the path has run into.
-    vec3 emission = vertex_emission(v, path.ray);
-    contribute(e, path.depth + 1u, path.throughput * emission);
+    Vertex v;
+    vec3 emission;
+    if (!path_arrive(path, v, emission, e)) return false;
     if (v.material == NONE) return false;
     if (PARAM0 == FORM_BIASED) {
         if (emission != vec3(0.0) || path.depth + 1u >= min(MAX_DEPTH, FIXED_LENGTH)) return false;

@@ -12,6 +12,7 @@
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
+#include "lib/next_event.glsl"
 
 const bool RETURNS_RADIANCE = PARAM0 == 0u;
 
@@ -93,14 +94,8 @@ bool radiance(inout Path path, inout Estimate e) {
         Bsdf b = vertex_material(v, path.ray, path.random);
         vec4 light_u = next4(path.random);
         vec4 bsdf_u = next4(path.random);
-        if (!bsdf_is_delta(b)) {
-            LightSample light = light_sample(vertex_receiver(v, b), light_u);
-            vec3 wi = vertex_to_local(v, light.wi);
-            float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi));
-            vec3 direct = handed_down * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;
-            if (direct != vec3(0.0)) call.direct = direct * vertex_transmittance(v, light, path.absorption, e.rays);
-            if (!RETURNS_RADIANCE) contribute(e, path.depth + 2u, call.direct);
-        }
+        call.direct = next_event(path, v, b, handed_down, light_u, e.rays);
+        if (!RETURNS_RADIANCE) contribute(e, path.depth + 2u, call.direct);
 
         // The inner call.
         BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);

@@ -8,6 +8,7 @@
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
+#include "lib/chance.glsl"
 
 const bool BRANCHES = PARAM0 == 0u;
 const bool POINT_LIGHTS = PARAM1 == 1u;
@@ -40,12 +41,12 @@ void take_up(inout Path path) {
     path.cone = branch.cone;
 }
 
-// The two lobes between which u.z decides, each weighted by its own share; one without weight is not there, or is no mirror's.
+// The two lobes between which u.z decides, each weighted by its own share; the second has no weight where there is one only.
 void lobes(Path path, Vertex v, Bsdf b, vec2 u, out BsdfSample first, out BsdfSample second) {
     first = vertex_sample(v, b, path.ray, vec3(u, 0.0));
     second = vertex_sample(v, b, path.ray, vec3(u, 1.0 - 2.0 * MACHINE_EPSILON));
-    first.weight *= first.delta ? first.pdf_w : 0.0;
-    second.weight *= second.delta && first.wi != second.wi ? second.pdf_w : 0.0;
+    first.weight *= first.pdf_w;
+    second.weight *= first.wi != second.wi ? second.pdf_w : 0.0;
 }
 
 bool has_two_lobes(Bsdf b) {
@@ -60,9 +61,9 @@ bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
 }
 
 // Light that is scattered by the vertex once.
-void gather_lights(Path path, Vertex v, Bsdf b, Sampler random, inout Estimate e) {
+void gather_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
-        vec4 u = next4(random);
+        vec4 u = next4(path.random);
         bool whole = !POINT_LIGHTS || (HAS_BACKGROUND && u.x < scene.background_probability); // the background has no middle
         LightSample light = light_sample(vertex_receiver(v, b), whole ? u : vec4(u.xy, 0.5, 0.5));
         vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, vertex_to_local(v, light.wi), light.wi) * light.weight / float(shadow_rays());
@@ -72,22 +73,12 @@ void gather_lights(Path path, Vertex v, Bsdf b, Sampler random, inout Estimate e
 
 // Follows one branch to its next vertex; false where it ends there.
 bool branch_extend(inout Path path, inout Estimate e) {
-    Hit hit;
-    bool found = path_trace(path, hit, e);
-    if (!found) {
-        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
-        return false;
-    }
-    Vertex v = vertex_at(path.ray, hit);
-    path_absorb(path, v);
-    path_measure(path, v);
-    contribute(e, path.depth + 1u, path.throughput * vertex_emission(v, path.ray));
+    Vertex v;
+    vec3 emission;
+    if (!path_arrive(path, v, emission, e)) return false;
     if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
-    if (!bsdf_is_delta(b)) {
-        gather_lights(path, v, b, path.random, e);
-        path.random.dimension += shadow_rays();
-    }
+    if (!bsdf_is_delta(b)) gather_lights(path, v, b, e);
 
     vec4 u = next4(path.random);
     if (!BRANCHES || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);

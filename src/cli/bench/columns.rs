@@ -119,11 +119,9 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
     if let Bias::Biased(why) | Bias::Consistent(why) = row.bias {
         all.push(why.to_owned());
     }
-    if technique.value("form") == Some("biased") {
-        all.push(String::from("its biased form ends paths at the first light or at a fixed length"));
-    }
-    if technique.row.name == "whitted" && technique.value("lights") == Some("point") {
-        all.push(String::from("its lights are points, whose shadows are sharp"));
+    for parameter in row.parameters {
+        let chosen = parameter.biased.filter(|(value, _)| technique.value(parameter.name) == Some(value));
+        all.extend(chosen.map(|(_, why)| why.to_owned()));
     }
     if row.solves < entry.settings.technique.row.solves {
         all.push(format!("accounts for {} only", row.solves.what()));

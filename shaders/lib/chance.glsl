@@ -1,0 +1,16 @@
+// Follows the path to its next vertex, and counts in full what it runs into by chance: emission there, or the background where it leaves
+// the scene; false where it does.
+bool path_arrive(inout Path path, out Vertex v, out vec3 emission, inout Estimate e) {
+    Hit hit;
+    bool found = path_trace(path, hit, e);
+    if (!found) {
+        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction));
+        return false;
+    }
+    v = vertex_at(path.ray, hit);
+    path_absorb(path, v);
+    path_measure(path, v);
+    emission = vertex_emission(v, path.ray);
+    contribute(e, path.depth + 1u, path.throughput * emission);
+    return true;
+}
