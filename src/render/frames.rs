@@ -63,6 +63,8 @@ pub(super) struct FramePlan {
     pass: u32,
     /// Pixel samples of a stage that fit into a frame, by the last one's speed.
     capacity: u64,
+    /// The most of them that a frame may have, whatever the speed.
+    bound: u64,
 }
 
 /// Slots of an image: its pixels in whole tiles.
@@ -73,12 +75,17 @@ pub(super) fn slots(width: u32, height: u32) -> u64 {
 impl FramePlan {
     pub fn new(width: u32, height: u32, stages: u32, room: Room) -> Self {
         let slots = slots(width, height) as u32; // checked before anything is allocated
-        Self { width, height, slots, stages, room, done: 0, stage: 0, cursor: 0, pass: 0, capacity: FIRST }
+        Self { width, height, slots, stages, room, done: 0, stage: 0, cursor: 0, pass: 0, capacity: FIRST, bound: u64::MAX }
     }
 
     /// The same plan at its beginning; what it knows of the speed stays.
     pub fn restarted(&self) -> Self {
         Self { done: 0, stage: 0, cursor: 0, pass: 0, ..self.clone() }
+    }
+
+    /// Bounds the pixel samples of a frame's stage, whatever the speed.
+    pub fn bound(&mut self, most: u64) {
+        self.bound = most;
     }
 
     /// The next frame, or nothing once all slots have `target` samples.
@@ -87,7 +94,7 @@ impl FramePlan {
         if begins && self.done >= target {
             return None;
         }
-        let capacity = self.capacity.min(self.room.paths);
+        let capacity = self.capacity.min(self.bound).min(self.room.paths);
         let through_all = capacity / u64::from(self.stages);
         let samples = if begins {
             let fit = (through_all / u64::from(self.slots)).max(1);

@@ -152,6 +152,12 @@ impl Renderer {
         Ok(())
     }
 
+    /// Bounds the pixel samples of each stage of a frame, whatever the device's speed would allow: frames are cut where it says, and
+    /// that changes no bit of the film.
+    pub fn bound_frames(&mut self, most: u64) {
+        self.plan.bound(most);
+    }
+
     /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:
     /// of kernels with the same bytes, one in twenty ran up to 1.7 times slower than the others, for as long as it lived
     /// (docs/lavapipe.md). Whoever compares speeds does this before each run, which makes it noise of that run.
