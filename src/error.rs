@@ -40,6 +40,10 @@ pub enum Error {
     #[error("{0}")]
     Device(String),
 
+    /// A rendering has found nothing to go on with.
+    #[error("{0}")]
+    NothingFound(String),
+
     /// A Vulkan call failed.
     #[error("Vulkan failed to {doing}: {code}")]
     Vulkan {

@@ -91,6 +91,18 @@ impl Film {
         }
     }
 
+    /// Multiplies all samples.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        if factor == 1.0 {
+            return;
+        }
+        let layers = self.lengths.iter_mut().flatten();
+        let strategies = self.strategies.iter_mut();
+        let strategies = strategies.flat_map(|layers| layers.unweighted.iter_mut().chain(&mut layers.weighted));
+        self.sums.iter_mut().chain(layers).chain(strategies).flatten().for_each(|sum| *sum *= factor);
+        self.squares.iter_mut().flatten().for_each(|square| *square *= factor * factor);
+    }
+
     fn per_pixel(&self, value: impl Fn(usize) -> [f64; 3]) -> Image {
         let pixels = (0..self.counts.len()).map(|pixel| value(pixel).map(|channel| channel as f32)).collect();
         Image { width: self.width, height: self.height, pixels }

@@ -91,6 +91,8 @@ pub enum Kept {
     /// Vertices of all paths of one sample, for all its paths from the camera to find in a grid: bytes of one, and how many of a
     /// path.
     Grid(u32, u32),
+    /// Markov chains, each with its current path. Frames of no samples make the paths that they may begin with.
+    Chains,
 }
 
 /// One dispatch of a technique's frame.
@@ -100,6 +102,8 @@ pub struct Pass {
     pub name: &'static str,
     /// What it runs over.
     pub over: Over,
+    /// The parameter's value with which it takes part; nothing is always.
+    pub with: Option<(&'static str, &'static str)>,
 }
 
 /// The values that a parameter takes.
@@ -122,6 +126,8 @@ pub struct Parameter {
     pub values: Values,
     /// The value that makes an unbiased technique biased, and what is wrong then.
     pub biased: Option<(&'static str, &'static str)>,
+    /// What the technique cannot find with a value, besides what it never finds.
+    pub misses: &'static [(&'static str, Missing)],
 }
 
 /// One technique.
@@ -151,17 +157,27 @@ pub struct Integrator {
     pub parameters: &'static [Parameter],
 }
 
-const PIXELS: &[Pass] = &[Pass { name: "pixels", over: Over::Pixels }];
+/// A pass that always takes part.
+const fn pass(name: &'static str, over: Over) -> Pass {
+    Pass { name, over, with: None }
+}
+
+/// One that takes part with one form of the technique.
+const fn pass_of_form(name: &'static str, over: Over, form: &'static str) -> Pass {
+    Pass { name, over, with: Some(("form", form)) }
+}
+
+const PIXELS: &[Pass] = &[pass("pixels", Over::Pixels)];
 
 /// The pass that adds splats to the film.
-const RESOLVE: Pass = Pass { name: "resolve", over: Over::Image };
+const RESOLVE: Pass = pass("resolve", Over::Image);
 
 /// The passes that put the vertices of light paths into the grid, see `shaders/lib/grid_main.glsl`.
 const GRID: [Pass; 4] = [
-    Pass { name: "grid-clear", over: Over::Cells },
-    Pass { name: "grid-count", over: Over::LightVertices },
-    Pass { name: "grid-allot", over: Over::Cells },
-    Pass { name: "grid-fill", over: Over::LightVertices },
+    pass("grid-clear", Over::Cells),
+    pass("grid-count", Over::LightVertices),
+    pass("grid-allot", Over::Cells),
+    pass("grid-fill", Over::LightVertices),
 ];
 
 /// How strategies are weighed, see `shaders/lib/bidirectional.glsl`.
@@ -170,6 +186,7 @@ const WEIGHTS: Parameter = Parameter {
     about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
     values: Values::Choice(&["power", "balance", "none"]),
     biased: None,
+    misses: &[],
 };
 
 /// Within which paths from the camera meet vertices of light paths, see `src/render/merge_radius.rs`.
@@ -179,6 +196,7 @@ const RADIUS: Parameter = Parameter {
             the root of the number of light paths in a sample, which is that of pixels where there is room",
     values: Values::Number(0.0, 1.0, 0.0),
     biased: None,
+    misses: &[],
 };
 
 /// How that shrinks.
@@ -187,6 +205,7 @@ const ALPHA: Parameter = Parameter {
     about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
     values: Values::Number(0.0, 1.0, 2.0 / 3.0),
     biased: None,
+    misses: &[],
 };
 
 /// Every technique.
@@ -207,6 +226,7 @@ pub const INTEGRATORS: &[Integrator] = &[
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
             values: Values::Choice(&["mis", "emitter", "bsdf"]),
             biased: None,
+            misses: &[],
         }],
     },
     Integrator {
@@ -226,6 +246,7 @@ pub const INTEGRATORS: &[Integrator] = &[
                 about: "where glass or a coating both reflects and refracts: follow both, or one by chance",
                 values: Values::Choice(&["both", "one"]),
                 biased: None,
+                misses: &[],
             },
             Parameter {
                 name: "lights",
@@ -233,12 +254,14 @@ pub const INTEGRATORS: &[Integrator] = &[
                         shadows are sharp",
                 values: Values::Choice(&["area", "point"]),
                 biased: Some(("point", "its lights are points, whose shadows are sharp")),
+                misses: &[],
             },
             Parameter {
                 name: "shadow-rays",
                 about: "rays to lights from each vertex, rounded down",
                 values: Values::Number(1.0, 256.0, 1.0),
                 biased: None,
+                misses: &[],
             },
         ],
     },
@@ -260,12 +283,14 @@ pub const INTEGRATORS: &[Integrator] = &[
                         length (8 segments where --max-depth sets none)",
                 values: Values::Choice(&["unbiased", "biased"]),
                 biased: Some(("biased", "its biased form ends paths at the first light or at a fixed length")),
+                misses: &[],
             },
             Parameter {
                 name: "q",
                 about: "probability that Russian roulette ends the path at a vertex",
                 values: Values::Number(0.0, 0.99, 0.1),
                 biased: None,
+                misses: &[],
             },
         ],
     },
@@ -299,13 +324,14 @@ pub const INTEGRATORS: &[Integrator] = &[
                     is path to the last bit",
             values: Values::Choice(&["radiance", "nothing"]),
             biased: None,
+            misses: &[],
         }],
     },
     Integrator {
         name: "light",
         title: "light tracing",
         file: "light.glsl",
-        passes: &[Pass { name: "paths", over: Over::Pixels }, RESOLVE],
+        passes: &[pass("paths", Over::Pixels), RESOLVE],
         solves: Solves::Everything,
         bias: Bias::Unbiased,
         rr_depth: 5,
@@ -318,7 +344,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "bdpt",
         title: "bidirectional path tracing",
         file: "bdpt.glsl",
-        passes: &[Pass { name: "light", over: Over::Pixels }, Pass { name: "camera", over: Over::Pixels }, RESOLVE],
+        passes: &[pass("light", Over::Pixels), pass("camera", Over::Pixels), RESOLVE],
         solves: Solves::Everything,
         bias: Bias::Unbiased,
         rr_depth: 5,
@@ -332,12 +358,12 @@ pub const INTEGRATORS: &[Integrator] = &[
         title: "vertex connection and merging",
         file: "vcm.glsl",
         passes: &[
-            Pass { name: "light", over: Over::Pixels },
+            pass("light", Over::Pixels),
             GRID[0],
             GRID[1],
             GRID[2],
             GRID[3],
-            Pass { name: "camera", over: Over::Pixels },
+            pass("camera", Over::Pixels),
             RESOLVE,
         ],
         solves: Solves::Everything,
@@ -354,6 +380,7 @@ pub const INTEGRATORS: &[Integrator] = &[
                         mirror or smooth glass; bpt, all but merges",
                 values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
                 biased: None,
+                misses: &[("bpt", Missing::HiddenDeltaCaustics)],
             },
             RADIUS,
             ALPHA,
@@ -364,12 +391,12 @@ pub const INTEGRATORS: &[Integrator] = &[
         title: "progressive photon mapping",
         file: "photon.glsl",
         passes: &[
-            Pass { name: "light", over: Over::Pixels },
+            pass("light", Over::Pixels),
             GRID[0],
             GRID[1],
             GRID[2],
             GRID[3],
-            Pass { name: "camera", over: Over::Pixels },
+            pass("camera", Over::Pixels),
         ],
         solves: Solves::Everything,
         bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
@@ -383,25 +410,70 @@ pub const INTEGRATORS: &[Integrator] = &[
                 about: "what brings light that was scattered once: next-event estimation, or photons like all other",
                 values: Values::Choice(&["nee", "photons"]),
                 biased: None,
+                misses: &[],
             },
             RADIUS,
             ALPHA,
         ],
     },
+    Integrator {
+        name: "mlt",
+        title: "Metropolis light transport",
+        file: "mlt.glsl",
+        passes: &[
+            pass_of_form("primary", Over::Pixels, "primary"),
+            pass_of_form("multiplexed", Over::Pixels, "multiplexed"),
+            RESOLVE,
+        ],
+        solves: Solves::Everything,
+        bias: Bias::Consistent("the mean that all visits of its chains are scaled by is estimated from the same paths"),
+        rr_depth: 5,
+        splats: true,
+        kept: Kept::Chains,
+        misses: &[],
+        parameters: &[
+            Parameter {
+                name: "form",
+                about: "what is mutated: primary, the random numbers of path; multiplexed, those of one strategy of bdpt at a time",
+                values: Values::Choice(&["primary", "multiplexed"]),
+                biased: None,
+                misses: &[("primary", Missing::DeltaCaustics), ("multiplexed", Missing::HiddenDeltaCaustics)],
+            },
+            Parameter {
+                name: "large-step",
+                about: "probability that a mutation draws all numbers anew",
+                values: Values::Number(0.01, 1.0, 0.3),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "chains",
+                about: "how many there are, rounded down; 0 is one for each pixel, as far as they fit into 256 MiB",
+                values: Values::Number(0.0, 16777216.0, 0.0),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "candidates",
+                about: "paths for each chain to begin with, rounded down; there are 65536 at least",
+                values: Values::Number(1.0, 4096.0, 8.0),
+                biased: None,
+                misses: &[],
+            },
+        ],
+    },
 ];
 
-impl Integrator {
-    /// The stage of each pass: a pass over pixels begins another one where the pass before it was not over pixels.
-    pub fn stages(&self) -> Vec<u32> {
-        let mut stage = 0;
-        let mut before = Over::Pixels;
-        let mut next = |pass: &Pass| {
-            stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
-            before = pass.over;
-            stage
-        };
-        self.passes.iter().map(&mut next).collect()
-    }
+/// The stage of each of some passes: a pass over pixels begins another one where the pass before it was not over pixels.
+pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {
+    let mut stage = 0;
+    let mut before = Over::Pixels;
+    let next = |pass: &Pass| {
+        stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
+        before = pass.over;
+        stage
+    };
+    passes.map(next).collect()
 }
 
 /// The row of that name.

@@ -8,7 +8,8 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 9] = [
+const MODULES: [&str; 10] = [
+    "test/mlt.bvh",
     "test/bdpt.bvh",
     "test/photon.bvh",
     "test/path.bvh",

@@ -9,6 +9,7 @@
 #include "lib/prelude.glsl"
 
 const bool CONNECTS = true;
+const bool MEETS_LENS = true;
 const bool MERGES = false;
 const bool MERGES_FIRST = false;
 

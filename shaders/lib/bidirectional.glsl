@@ -6,6 +6,7 @@
 // Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale. Before this is
 // included, the technique defines
 //     bool CONNECTS       strategies that join two vertices by a segment take part, next-event estimation and light tracing among them
+//     bool MEETS_LENS     so do light paths that run into a lens
 //     bool MERGES         merges do, within frame.merge_radius
 //     bool MERGES_FIRST   of these only the one at the camera's first vertex that is not a mirror or smooth glass
 

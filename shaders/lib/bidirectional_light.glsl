@@ -1,41 +1,16 @@
 // The pass `light` of bidirectional techniques: follows the light paths, shows their vertices to the camera (t = 1) and keeps them.
-#include "lib/light_vertices.glsl"
+#include "lib/bidirectional_show.glsl"
 #include "lib/splat.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-// Adds (s, 1): what a vertex shows to the camera along the ray.
-void show(Pixel pixel, CameraView view, uint s, vec3 value, float weight, vec2 u, Ray ray, vec3 absorption, inout uint rays) {
-    uint seen_by = splat_pixel(view.position, u, value);
+// Adds (s, 1).
+void show(Pixel pixel, Shown shown, uint s, inout uint rays) {
+    uint seen_by = shown.value != vec3(0.0) ? splat_pixel(shown.position, shown.u, shown.value) : NONE;
     if (seen_by == NONE) return;
-    value *= segment_transmittance(ray, absorption, rays);
-    if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, s, 1u, value, weight);
-    else splat(seen_by, pixel.sample_index, s, value * weight);
-}
-
-// (1, 1): the light itself, shown to the camera, against (0, 2), the camera running into it.
-void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
-    LightView seen = light_view(e, path.random);
-    if (!seen.visible) return;
-    float camera_a = seen.camera.importance * seen.cosine / (seen.camera.distance2 * light_path_count()); // pixels per area
-    float weight = 1.0 / (1.0 + mis(camera_a / e.pdf_a));
-    vec3 value = e.shown * camera_a;
-    show(pixel, seen.camera, 1u, value, weight, seen.u, seen.ray, vec3(0.0), rays);
-}
-
-// (s, 1), s > 1: the vertex that the path has come to as the camera sees it.
-void show_vertex(Pixel pixel, Path path, vec3 power, Vertex v, Bsdf b, Partial p, uint s, vec4 u, inout uint rays) {
-    CameraView view = camera_view(v.at.position, u.xy);
-    vec3 local = vertex_to_local(v, view.direction);
-    vec3 value = power * path.throughput * light_vertex_eval(v, b, path.ray, local, view.direction);
-    if (!view.visible || value == vec3(0.0)) return;
-    float camera_a = view.importance * abs(dot(view.direction, v.at.normal)) / (scaled_area(view.distance2) * light_path_count());
-    float others = partial_sum(p, camera_a, bsdf_pdf(b, local, v.wo), vertex_opacity(v));
-    float lens_a = lens_choice();
-    if (lens_a > 0.0) others += mis(bsdf_pdf(b, v.wo, local) * lens_cosine(view.direction) / (scaled_area(view.distance2) * lens_a)); // t = 0
-    float weight = 1.0 / (1.0 + others);
-    value *= view.importance / (view.distance2 * light_path_count());
-    show(pixel, view, s, value, weight, u.zw, vertex_ray_to(v, view.direction, view.target), vertex_absorption(v, b, path.absorption, local), rays);
+    shown.value *= segment_transmittance(shown.ray, shown.absorption, rays);
+    if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, s, 1u, shown.value, shown.weight);
+    else splat(seen_by, pixel.sample_index, s, shown.value * shown.weight);
 }
 
 // (s, 0): the path runs into the lens on its way along the ray, which ends at a distance. Not on its first segment: (1, 1) and (0, 2)
@@ -70,15 +45,7 @@ bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path 
                                    e.power * path.throughput, 0.0, 0.0, path.random.dimension, path.depth + 1u, path.absorption);
     Bsdf b = vertex_material(v, path.ray, path.random);
     uint length = path.depth + 2u; // segments with one to the camera: this is vertex s = length
-    vec3 segment = v.at.position - path.from.position;
-    float distance2 = dot(segment, segment);
-
-    if (path.depth == 0u) {
-        // What (1, t) would have picked the beginning with is known only here.
-        p = Partial(mis(light_choice_ratio(e, vertex_receiver(v, b), distance2) / arriving), e.delta ? 0.0 : mis(e.d_vc / arriving));
-    } else {
-        partial_arrive(p, distance2, arriving);
-    }
+    light_partial_arrive(p, path, e, v, b, arriving);
 
     vec4 u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
@@ -91,7 +58,7 @@ bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path 
             if (place != NONE) keeping.at[place] = kept;
             met += 1u;
         }
-        if (CONNECTS) show_vertex(pixel, path, e.power, v, b, p, length, u, rays);
+        if (CONNECTS) show(pixel, shown_vertex(path, e.power, v, b, p, u), length, rays);
     }
     if (length >= longest() && !to_lens) return false; // one more segment for the lens
     BsdfSample s = light_vertex_sample(v, b, path.ray, bsdf_u.xyz);
@@ -115,7 +82,7 @@ void main() {
             path = light_path_begin(pixel.index, pixel.sample_index, emitted);
             keeping = light_path_of(pixel.index, pixel.sample_index);
             met = 0u;
-            if (CONNECTS && MAX_DEPTH > 0u) show_light(pixel, path, emitted, rays);
+            if (CONNECTS && MAX_DEPTH > 0u) show(pixel, shown_light(path, emitted), 1u, rays);
         }
         alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0) && light_path_extend(pixel, keeping, emitted, path, p, met, rays);
         if (!alive) {

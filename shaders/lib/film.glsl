@@ -13,6 +13,14 @@ struct Estimate {
     uint rays;                          // traced since the dispatch began
 };
 
+// Begins another sample.
+void estimate_clear(inout Estimate e) {
+    e.radiance = vec3(0.0);
+    if (LENGTH_LAYERS > 0u) {
+        for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] = vec3(0.0);
+    }
+}
+
 // Adds what a path of `length` segments brings (length 1: the camera sees a light).
 void contribute(inout Estimate e, uint length, vec3 radiance) {
     e.radiance += radiance;
@@ -52,10 +60,7 @@ Ray sample_open(inout Pixel pixel, inout Estimate e, out Sampler random) {
     vec4 u = next4(random);
     pixel.filter_weight = 1.0;
     vec2 offset = vec2(filter_offset(u.x, pixel.filter_weight), filter_offset(u.y, pixel.filter_weight));
-    e.radiance = vec3(0.0);
-    if (LENGTH_LAYERS > 0u) {
-        for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] = vec3(0.0);
-    }
+    estimate_clear(e);
     return camera_ray(vec2(pixel.xy) + 0.5 + offset, u.zw);
 }
 

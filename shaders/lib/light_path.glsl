@@ -2,9 +2,6 @@
 // directions in reverse order, and shading normals and refraction need what Veach 1997, sections 5.2 and 5.3, derives.
 #include "lib/path.glsl"
 
-// Random numbers of light paths begin here: no path from the camera comes so far.
-const uint LIGHT_DIMENSION = 0x10000u;
-
 // Light paths in each sample of the image.
 float light_path_count() { return float(frame.light_path_count); }
 
@@ -29,13 +26,19 @@ vec3 light_vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
     return arriving > 0.0 ? bsdf_eval(b, local, v.wo) * (abs(dot(world, v.at.normal)) / arriving) : vec3(0.0);
 }
 
-// The next direction. The BSDF's own weight is that of radiance: refraction gets its eta^2 back, and the shading normal its factor.
-BsdfSample light_vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
-    BsdfSample s = vertex_sample(v, b, ray, u);
+// What the weight of a BSDF's sample, which is that of radiance, is to be multiplied by for power: refraction gets its eta^2 back, and the
+// shading normal its factor.
+float adjoint_factor(Vertex v, Ray ray, BsdfSample s) {
     vec3 world = vertex_to_world(v, s.wi);
     float geometric = abs(dot(world, v.at.normal)) * abs(v.wo.z);
     float shading = abs(dot(ray.direction, v.at.normal)) * abs(s.wi.z);
-    s.weight *= shading > 0.0 ? s.eta * s.eta * geometric / shading : 0.0;
+    return shading > 0.0 ? s.eta * s.eta * geometric / shading : 0.0;
+}
+
+// The next direction.
+BsdfSample light_vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
+    BsdfSample s = vertex_sample(v, b, ray, u);
+    s.weight *= adjoint_factor(v, ray, s);
     return s;
 }
 

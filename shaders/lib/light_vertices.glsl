@@ -19,7 +19,7 @@ void keep_count(LightPath kept, uint met) {
 
 // Density per scaled area with which a point of the lens is chosen; 0 where no light path runs into one. Layers of strategies leave that
 // out, to have the same number of them for every camera.
-float lens_choice() { return CONNECTS && CAMERA == CAMERA_THIN_LENS && !HAS_STRATEGIES ? 1.0 / scaled_area(lens_area()) : 0.0; }
+float lens_choice() { return CONNECTS && MEETS_LENS && CAMERA == CAMERA_THIN_LENS && !HAS_STRATEGIES ? 1.0 / scaled_area(lens_area()) : 0.0; }
 
 // A vertex of a path from the camera joined to one of a light path.
 struct Connection {

@@ -28,13 +28,18 @@ Path path_along(Ray ray, Sampler random, bool delta) {
     return Path(ray, Receiver(ray.origin, vec3(0.0), false), random, vec3(1.0), vec3(0.0), 1.0, delta, 0u, 1.0, Cone(0.0, 0.0));
 }
 
-Path path_begin(inout Pixel pixel, inout Estimate e) {
-    Sampler random;
-    Ray ray = sample_open(pixel, e, random);
+// A path from the camera along a ray of it.
+Path path_from_camera(Ray ray, Sampler random) {
     Path path = path_along(ray, random, true);
     if (HAS_ABSORPTION) path.absorption = scene.camera_absorption;
     if (HAS_MIP_MAPS) path.cone = camera_cone(path.ray.direction);
     return path;
+}
+
+Path path_begin(inout Pixel pixel, inout Estimate e) {
+    Sampler random;
+    Ray ray = sample_open(pixel, e, random);
+    return path_from_camera(ray, random);
 }
 
 // Follows the path to its next vertex; false where it leaves the scene.

@@ -1,12 +1,8 @@
 // Counter-based uniform numbers: a pure function of (seed, pixel, sample, dimension), so that frame size, order and
-// backend change nothing.
+// backend change nothing. A technique that defines CHAINS takes them from lib/chain_numbers.glsl instead.
 
-struct Sampler {
-    uint pixel;
-    uint sample_index;
-    uint dimension; // blocks of four numbers drawn so far
-    uint seed;
-};
+// Random numbers of light paths begin here: no path from the camera comes so far.
+const uint LIGHT_DIMENSION = 0x10000u;
 
 // Jarzynski and Olano 2020, "Hash functions for GPU rendering", pcg4d.
 uvec4 pcg4d(uvec4 v) {
@@ -22,6 +18,14 @@ uvec4 pcg4d(uvec4 v) {
     v.w += v.y * v.z;
     return v;
 }
+
+#ifndef CHAINS
+struct Sampler {
+    uint pixel;
+    uint sample_index;
+    uint dimension; // blocks of four numbers drawn so far
+    uint seed;
+};
 
 // The bits of x, each flipped or not by a hash of the bits below it: a nested uniform scramble (Owen 1995) of the number
 // whose bits are those of x in reverse (Laine and Karras 2011; constants by Vegdahl 2021, "Building a better LK hash").
@@ -68,3 +72,4 @@ vec4 next4(inout Sampler s) {
     s.dimension += 1u;
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
+#endif

@@ -7,3 +7,4 @@ const uint FORM_BPT = 3u; // bidirectional path tracing: no merges
 const bool CONNECTS = PARAM1 == FORM_VCM || PARAM1 == FORM_BPT;
 const bool MERGES = PARAM1 != FORM_BPT;
 const bool MERGES_FIRST = PARAM1 == FORM_PPM;
+const bool MEETS_LENS = true;

@@ -31,6 +31,8 @@ shared_structs! {
         grid_cell_count: uint,
         /// Within which this sample looks for vertices of light paths.
         merge_radius: float,
+        /// Device address of the [`ChainTable`].
+        chains: uvec2,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
         /// Slots of this dispatch.
@@ -107,6 +109,64 @@ shared_structs! {
         first: uint,
         /// How many there are.
         count: uint,
+    }
+
+    /// The Markov chains of a rendering: how many there are, and where they lie.
+    pub struct ChainTable {
+        /// Device address of the [`Candidate`]s.
+        candidates: uvec2,
+        /// Device address of the [`Chain`]s.
+        states: uvec2,
+        /// Device address of what the current path of each brings, layer by layer (or the image's one): three floats for each chain.
+        values: uvec2,
+        /// Device address of the numbers: block by block, those of the camera's paths before those of the lights', four for each chain.
+        numbers: uvec2,
+        /// Device address of the probability that a path has at most so many segments, for each number of them; the last one is 1 and
+        /// stands for all longer ones too.
+        lengths: uvec2,
+        /// How many of these there are.
+        length_count: uint,
+        /// Chains.
+        chains: uint,
+        /// Chains that take part in one sample: the first so many in the first sample, the next so many in the second, and round again.
+        chains_of_sample: uint,
+        /// Mutations of each of these.
+        mutations: uint,
+        /// Blocks of numbers that a chain has room for, of the camera's paths.
+        camera_blocks: uint,
+        /// Of the lights' paths.
+        light_blocks: uint,
+        /// Mean of what paths bring, by the candidates.
+        normalisation: float,
+    }
+
+    /// A path that a chain may begin with.
+    pub struct Candidate {
+        /// What it brings: the mean of the channels, over the probability of its kind of length.
+        brings: float,
+        /// That kind.
+        kind: uint,
+    }
+
+    /// A Markov chain.
+    pub struct Chain {
+        /// The candidate that it begins with.
+        candidate: uint,
+        /// The kind of length of its current path.
+        kind: uint,
+        /// Blocks of numbers that this one used: of the camera's in the lower half, of the light's in the upper one; `NONE` before it
+        /// has begun.
+        known: uint,
+        /// What it brings: the mean of the channels, over the probability of its kind of length.
+        brings: float,
+        /// Where it ends in the image, in pixels.
+        position: vec2,
+        /// Sum of what large steps brought, whether they were accepted or not.
+        sum: float,
+        /// Its low part.
+        sum_low: float,
+        /// How many they were.
+        large_steps: uint,
     }
 
     /// A sample that was not finite: where it was.

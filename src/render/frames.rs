@@ -7,7 +7,7 @@ use crate::layout::WORKGROUP;
 /// What one submission should take.
 const FRAME: Duration = Duration::from_millis(100);
 /// Pixel samples of the first frame, before anything is known of the speed.
-const FIRST: u64 = 1 << 14;
+pub(super) const FIRST: u64 = 1 << 14;
 
 /// One dispatch: a run of slots (pixels in tiles of 8 x 8) and a run of samples for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,6 +72,13 @@ pub(super) fn slots(width: u32, height: u32) -> u64 {
     u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 64
 }
 
+/// Work of the next frame where the last one took so long for what it had. Speed differs across an image: it is followed, but not in one
+/// leap.
+pub(super) fn adapted(capacity: u64, work: u64, took: Duration) -> u64 {
+    let fit = work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6);
+    (fit as u64).clamp(capacity / 4, capacity.saturating_mul(4)).max(u64::from(WORKGROUP))
+}
+
 impl FramePlan {
     pub fn new(width: u32, height: u32, stages: u32, room: Room) -> Self {
         let slots = slots(width, height) as u32; // checked before anything is allocated
@@ -115,10 +122,7 @@ impl FramePlan {
     /// Takes note of a frame that has been run.
     pub fn done(&mut self, frame: Frame, took: Duration) {
         let work = u64::from(frame.slots) * u64::from(frame.samples) * u64::from(frame.stages);
-        let fit = work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6);
-        // Speed differs across an image: follow it, but not in one leap.
-        self.capacity =
-            (fit as u64).clamp(self.capacity / 4, self.capacity.saturating_mul(4)).max(u64::from(WORKGROUP));
+        self.capacity = adapted(self.capacity, work, took);
         self.pass = frame.samples;
         self.cursor += frame.slots;
         if self.cursor >= self.slots {

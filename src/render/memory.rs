@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::chains::ChainSize;
 use super::frames::slots;
 use super::scratch::ScratchSize;
 use super::settings::Settings;
@@ -236,6 +237,9 @@ impl Table {
         self.add("light paths", scratch.light_path_bytes.max(4), true);
         self.add("grid cells", scratch.cell_bytes.max(4), true);
         self.add("grid places", scratch.place_bytes.max(4), true);
+        for (name, bytes) in ChainSize::of(settings).bytes() {
+            self.add(name, bytes, true);
+        }
     }
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {

@@ -4,6 +4,7 @@
 //! submission of about a tenth of a second, so that drivers' watchdogs never fire, progress is smooth, and an interrupt
 //! is answered at once.
 
+mod chains;
 mod frames;
 mod kernel;
 mod memory;
@@ -24,10 +25,11 @@ pub use settings::{Settings, Technique};
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::Over;
+use crate::integrator::{self, Over, Pass};
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
 use crate::strategies::Strategy;
+use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
@@ -52,6 +54,14 @@ pub struct Seconds {
     pub device: f64,
 }
 
+/// A pass over a run of what it runs over.
+struct Run {
+    /// Its index.
+    pass: usize,
+    first: u32,
+    count: u32,
+}
+
 /// One scene, technique and backend on one device.
 pub struct Renderer {
     gpu: Gpu,
@@ -62,6 +72,8 @@ pub struct Renderer {
     stages: Vec<u32>,
     merge_radius: MergeRadius,
     scratch: Scratch,
+    /// Where the technique has some.
+    chains: Option<Chains>,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -84,7 +96,8 @@ impl Renderer {
         memory::check(gpu, scene, settings)?;
         let row = settings.technique.row;
         let mut passes: Vec<(Over, Kernel)> = Vec::new();
-        for pass in row.passes {
+        let taking_part: Vec<&Pass> = settings.technique.passes().collect();
+        for pass in &taking_part {
             let name = format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
             let kernel = match passes.first() {
                 None => Kernel::new(gpu, scene, settings, &name, watch)?,
@@ -95,7 +108,7 @@ impl Renderer {
         let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
         let scratch = Scratch::new(gpu, settings)?;
-        let stages = row.stages();
+        let stages = integrator::stages(taking_part.into_iter());
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -118,6 +131,7 @@ impl Renderer {
             seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
             passes,
             scratch,
+            chains: Chains::new(gpu, settings)?,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
@@ -130,6 +144,10 @@ impl Renderer {
     /// Runs one frame towards `target` samples per pixel; returns false once they are all taken.
     pub fn advance(&mut self, target: u32) -> Result<bool> {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
+        if let Some((first, count)) = self.chains.as_ref().and_then(Chains::missing) {
+            self.make_candidates(first, count)?;
+            return Ok(true);
+        }
         let started = Instant::now();
         let device = self.dispatch(frame, self.plan.ends_stages(frame))?;
         let wall = started.elapsed();
@@ -145,6 +163,7 @@ impl Renderer {
         self.film.clear()?;
         self.layers.clear()?;
         self.scratch.splats.clear()?;
+        self.chains.as_mut().map_or(Ok(()), Chains::restart)?;
         self.plan = self.plan.restarted();
         (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         (self.rays, self.nonfinite) = (0, 0);
@@ -213,6 +232,7 @@ impl Renderer {
                 film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
             }
         }
+        film.scale(self.chains.as_ref().map_or(Ok(1.0), Chains::correction)?);
         film.nonfinite = self.nonfinite;
         film.bad_samples.clone_from(&self.bad_samples);
         Ok(film)
@@ -221,6 +241,42 @@ impl Renderer {
     /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
     /// time is the device's.
     fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
+        let Frame { first_slot, slots, first_sample, samples, .. } = frame;
+        let work =
+            format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
+        // A frame of nothing makes CPU devices compile.
+        let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
+        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
+        let mut runs = Vec::new();
+        for (index, ((over, _), stage)) in self.passes.iter().zip(&self.stages).enumerate() {
+            if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
+                continue;
+            }
+            let (first, count) = match over {
+                Over::Pixels => (first_slot, slots),
+                Over::Image => whole(all),
+                Over::LightVertices => whole(size.places()),
+                Over::Cells => whole(size.cells),
+            };
+            runs.push(Run { pass: index, first, count });
+        }
+        self.submit(&work, frame, &runs)
+    }
+
+    /// Makes candidates for chains to begin with.
+    fn make_candidates(&mut self, first: u32, count: u32) -> Result<()> {
+        let started = Instant::now();
+        let runs = [Run { pass: 0, first, count }];
+        let device = self.submit(&format!("{count} candidates from {first}"), Frame::NOTHING, &runs)?;
+        let took = started.elapsed();
+        self.chains.as_mut().map_or(Ok(()), |chains| chains.made(count, took))?;
+        self.seconds.render += started.elapsed().as_secs_f64();
+        self.seconds.device += device.as_secs_f64();
+        Ok(())
+    }
+
+    /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted.
+    fn submit(&mut self, work: &str, frame: Frame, runs: &[Run]) -> Result<Duration> {
         let constants = FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
@@ -233,6 +289,7 @@ impl Renderer {
             grid_places: address(self.scratch.grid_places.address()),
             grid_cell_count: self.scratch.size.cells,
             merge_radius: self.merge_radius.at(frame.first_sample),
+            chains: address(self.chains.as_ref().map_or(0, Chains::address)),
             first_slot: frame.first_slot,
             slot_count: frame.slots,
             first_sample: frame.first_sample,
@@ -242,27 +299,12 @@ impl Renderer {
             seed: self.settings.seed,
         };
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
-        let Frame { first_slot, slots, first_sample, samples, .. } = frame;
-        let work =
-            format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
-        // A frame of nothing makes CPU devices compile.
-        let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
-        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
-        let stages = &self.stages;
-        let took = self.gpu.run(&name, &work, |commands| {
+        let took = self.gpu.run(&name, work, |commands| {
             commands.clear(tally);
-            for ((over, kernel), stage) in passes.iter().zip(stages) {
-                if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
-                    continue;
-                }
-                let (first, count) = match over {
-                    Over::Pixels => (first_slot, slots),
-                    Over::Image => whole(all),
-                    Over::LightVertices => whole(size.places()),
-                    Over::Cells => whole(size.cells),
-                };
-                let mut start = first;
+            for Run { pass, first, count } in runs {
+                let kernel = &passes[*pass].1;
+                let mut start = *first;
                 loop {
                     let part = (first + count - start).min(room);
                     let constants = FrameConstants { first_slot: start, slot_count: part, ..constants };

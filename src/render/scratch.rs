@@ -58,7 +58,7 @@ impl ScratchSize {
             (true, false) => (SPLAT_BYTES / plane).clamp(1, MOST_PLANES),
         };
         let (vertex, vertices) = match row.kept {
-            Kept::Nothing => (0, 0),
+            Kept::Nothing | Kept::Chains => (0, 0),
             Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
             Kept::Grid(bytes, most) => (bytes, most.min(gathered(settings.max_depth))),
         };
@@ -66,7 +66,7 @@ impl ScratchSize {
         let all = slots(settings.width, settings.height) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
         let paths = match row.kept {
-            Kept::Nothing => 0,
+            Kept::Nothing | Kept::Chains => 0,
             Kept::Paths => (LIGHT_PATH_BYTES / path).max(least).min(all),
             Kept::Grid(..) => (LIGHT_PATH_BYTES / path).min(pixels),
         };
@@ -80,7 +80,11 @@ impl ScratchSize {
             cells: cells as u32,
             cell_bytes: if has_grid { 4 + cells * size_of::<GridCell>() as u64 } else { 0 },
             place_bytes: if has_grid { paths * u64::from(vertices) * PLACE_BYTES } else { 0 },
-            light_paths: if has_grid { paths } else { pixels } as u32,
+            light_paths: match row.kept {
+                Kept::Grid(..) => paths as u32,
+                Kept::Chains => places(settings) as u32,
+                Kept::Nothing | Kept::Paths => pixels as u32,
+            },
         }
     }
 
@@ -103,6 +107,12 @@ impl ScratchSize {
             whole_passes: self.planes > 0,
         }
     }
+}
+
+/// Pixels of the image with the border from which wide filters reach into it.
+fn places(settings: &Settings) -> u64 {
+    let border = (settings.filter.radius() - 0.5).max(0.0).ceil() as u64;
+    (u64::from(settings.width) + 2 * border) * (u64::from(settings.height) + 2 * border)
 }
 
 /// Vertices of a light path that a path from the camera may be connected to: the second one onwards, up to one less than the

@@ -4,7 +4,7 @@ use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
-use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Values};
+use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -65,6 +65,11 @@ impl Technique {
             .map(|(_, value)| value.as_str())
     }
 
+    /// The passes that take part, in order.
+    pub(super) fn passes(&self) -> impl Iterator<Item = &'static Pass> {
+        self.row.passes.iter().filter(|pass| pass.with.is_none_or(|(name, value)| self.value(name) == Some(value)))
+    }
+
     /// The specialisation constants `PARAM0` to `PARAM3`.
     pub(super) fn words(&self) -> [u32; 4] {
         let mut words = [0; 4];
@@ -81,7 +86,10 @@ impl Technique {
             Missing::DeltaCaustics | Missing::HiddenDeltaCaustics => scene.has_delta_lights() && scene.has_smooth(),
             Missing::Unshowable => scene.background.is_some() || scene.has_smooth(),
         };
-        let all: Vec<&str> = self.row.misses.iter().copied().filter(has).map(Missing::what).collect();
+        let by_value = self.row.parameters.iter().zip(&self.values).flat_map(|(parameter, value)| {
+            parameter.misses.iter().filter(move |(with, _)| with == value).map(|(_, missing)| *missing)
+        });
+        let all: Vec<&str> = self.row.misses.iter().copied().chain(by_value).filter(has).map(Missing::what).collect();
         (!all.is_empty()).then(|| all.join(", and "))
     }
 
@@ -231,6 +239,12 @@ impl Settings {
                     "layers by strategy (--strategies) and by path length (--lengths): choose one",
                 ));
             }
+        }
+        if row.kept == Kept::Chains && self.sampler != SAMPLERS[0].sampler {
+            return bad(format!(
+                "random numbers of {} are its chains' own: valid is --sampler {}",
+                row.name, SAMPLERS[0].name
+            ));
         }
         if self.lengths > 64 {
             return bad(format!("{} layers by path length: 64 is the most", self.lengths));

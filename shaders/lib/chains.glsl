@@ -1,0 +1,130 @@
+// Metropolis light transport on chains of random numbers (Veach and Guibas 1997, "Metropolis light transport"; Kelemen et al. 2002): a
+// chain visits paths in proportion to what they bring, so that each visit brings the same, the mean over all paths, to its pixel.
+//
+// Chains begin with candidates that were chosen in proportion to what these bring: then they are distributed as they will be for ever,
+// and nothing needs to be thrown away (Veach 1997, section 11.3.1). Both the path that is proposed and the one that it is proposed to are
+// counted, by the probability of each (Veach 1997, section 11.2.3).
+#include "lib/chain_numbers.glsl"
+#include "lib/splat.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Candidates { Candidate candidate; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Chains { Chain chain; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 value; };
+
+Candidates candidate_at(uint index) { return Candidates(unpack32(pack64(chain_table().candidates) + 8ul * uint64_t(index))); }
+Chains chain_at(uint index) { return Chains(unpack32(pack64(chain_table().states) + 36ul * uint64_t(index))); }
+
+Values value_at(uint chain, uint layer) {
+    ChainTable table = chain_table();
+    return Values(unpack32(pack64(table.values) + 12ul * (uint64_t(layer) * uint64_t(table.chains) + uint64_t(chain))));
+}
+
+// A path that a chain may go to.
+struct Proposal {
+    Sampler random; // at its beginning
+    uint kind;      // of length
+    bool large;     // nothing of the current path is in it
+};
+
+// Probability that a path has the first `count` kinds of length.
+float length_share(uint count) { return count == 0u ? 0.0 : Floats(chain_table().lengths).at[count - 1u]; }
+
+float length_probability(uint kind) { return length_share(kind + 1u) - length_share(kind); }
+
+uint length_of(float u) {
+    uint kind = 0u;
+    while (kind + 1u < chain_table().length_count && u >= length_share(kind + 1u)) kind += 1u;
+    return kind;
+}
+
+// The candidate as a path.
+Proposal candidate_proposal(uint index) {
+    Proposal p = Proposal(Sampler(index, 0u, 0u, 0u), 0u, true);
+    p.kind = length_of(decisions(index, 0u).x);
+    return p;
+}
+
+// The chain's next proposal: its first one is the candidate that it begins with.
+Proposal chain_propose(uint index, uint mutation, float large_step) {
+    Chain c = chain_at(index).chain;
+    if (c.known == NONE) return Proposal(Sampler(c.candidate, 0u, 0u, 0u), c.kind, true);
+    vec4 u = decisions(index, mutation);
+    bool large = u.x < large_step;
+    return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? length_of(u.w) : c.kind, large);
+}
+
+// What a path brings, as the chains see it.
+float brings(vec3 value) { return (value.x + value.y + value.z) * (1.0 / 3.0); }
+
+// The layers of what a path brings.
+vec3 layer_value(Estimate e, uint layer) { return LENGTH_LAYERS > 0u ? e.by_length[layer] : e.radiance; }
+
+// Ends the estimate of a proposal, which stands for `share` of its like; what is not finite is dropped, counted and located.
+void proposal_close(Proposal p, vec2 position, float share, uint sample_index, inout Estimate e) {
+    share /= length_probability(p.kind);
+    e.radiance *= share;
+    for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] *= share;
+    if (brings(e.radiance) < INFINITY) return;
+    uvec2 pixel = uvec2(clamp(position, vec2(0.0), vec2(frame.width - 1u, frame.height - 1u)));
+    report_bad_sample(pixel.y * frame.width + pixel.x, sample_index);
+    estimate_clear(e);
+}
+
+// A position in the image and, where filters are wider than a pixel, the border from which they reach into it: uniform over
+// `light_path_count` pixels.
+vec2 image_place(vec2 u) {
+    float border = ceil(max(filter_radius() - 0.5, 0.0));
+    return u * (vec2(frame.width, frame.height) + 2.0 * border) - border;
+}
+
+// Adds what stands for a visit with this probability to the pixel there, layer by layer.
+void visit_splat(vec2 position, vec2 u, float probability, float brought, uint sample_index, Estimate e) {
+    ChainTable table = chain_table();
+    if (!(brought > 0.0) || !(probability > 0.0)) return;
+    vec3 weight = vec3(1.0);
+    uint pixel = splat_pixel(position, u, weight);
+    if (pixel == NONE) return;
+    // Positions are uniform over `light_path_count` pixels, and all visits of this sample share what they bring.
+    weight *= probability * table.normalisation * (float(frame.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
+    for (uint i = 0u; i < splat_layers(); i++) {
+        vec3 value = layer_value(e, i);
+        if (value != vec3(0.0)) splat(pixel, sample_index, i + 1u, value / brought * weight);
+    }
+}
+
+// Decides on a proposal that has been followed to its end: adds both paths to the film and moves the chain. `used` are the blocks of
+// numbers of the proposed path, as `Chain.known` has them. Returns false for the candidate that the chain began with, which is no mutation.
+bool chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint used, uint sample_index, Estimate e) {
+    Chains at = chain_at(index);
+    Chain c = at.chain;
+    bool begins = c.known == NONE;
+    float proposed = brings(e.radiance);
+    vec4 u = decisions(index, mutation);
+    float acceptance = begins || proposed >= c.brings ? 1.0 : proposed / c.brings;
+    if (!begins) {
+        vec4 pixels = vec4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)) >> 8u) * (1.0 / 16777216.0);
+        visit_splat(position, pixels.xy, acceptance, proposed, sample_index, e);
+        Estimate current;
+        current.radiance = value_at(index, 0u).value;
+        for (uint i = 0u; i < LENGTH_LAYERS; i++) current.by_length[i] = value_at(index, i).value;
+        visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.brings, sample_index, current);
+        if (p.large) {
+            vec3 sum = vec3(c.sum), low = vec3(c.sum_low);
+            add_compensated(sum, low, vec3(proposed));
+            c.sum = sum.x;
+            c.sum_low = low.x;
+            c.large_steps += 1u;
+        }
+    }
+    if (u.y < acceptance) {
+        keep_numbers(p.random, index, 0u, used & 0xffffu);
+        keep_numbers(p.random, index, LIGHT_DIMENSION, used >> 16u);
+        for (uint i = 0u; i < splat_layers(); i++) value_at(index, i).value = layer_value(e, i);
+        c.kind = p.kind;
+        c.known = used;
+        c.brings = proposed;
+        c.position = position;
+    }
+    at.chain = c;
+    return !begins;
+}

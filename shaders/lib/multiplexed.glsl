@@ -1,0 +1,136 @@
+// One strategy (s, t) for a path of `segments` segments, chosen by a number of its own, weighted among all that make such a path
+// (Hachisuka, Kaplanyan and Dachsbacher 2014, "Multiplexed Metropolis light transport"): the part from the light first, then that from the
+// camera, then their connection. Paths that are longer than any with vertices from both sides come from the camera alone, all
+// lengths of them together.
+#include "lib/bidirectional_gather.glsl"
+#include "lib/bidirectional_show.glsl"
+
+// Where such a path is.
+struct Multiplexed {
+    Path path;           // the part that is being made
+    Partial partial;     // its sums
+    bool from_light;     // that part is the light's
+    uint s, t;           // vertices of each part
+    bool longer;         // than `longest()`
+    EmittedRay emitted;  // the beginning of the light's part
+    LightVertex end;     // its end, once it is there
+    Sampler light_random, camera_random; // at what each part draws next
+    vec2 position;       // in the image
+    vec2 lens;           // numbers for a point of the lens
+};
+
+// What one strategy brings stands for all that make a path of this length: one over the probability of its choice.
+float multiplexed_share(Multiplexed m) { return m.longer ? 1.0 : float(m.s + m.t); } // s may be 0 to s + t - 1
+
+// Blocks of numbers that the path has used: of the camera's in the lower half, of the light's in the upper one.
+uint multiplexed_used(Multiplexed m) { return m.camera_random.dimension | (m.light_random.dimension - LIGHT_DIMENSION) << 16u; }
+
+void multiplexed_begin_camera(inout Multiplexed m) {
+    m.from_light = false;
+    m.path = path_from_camera(camera_ray(m.position, m.lens), m.camera_random);
+    m.partial = partial_camera(camera_importance(m.path.ray.direction), lens_choice(), lens_cosine(m.path.ray.direction));
+}
+
+// Adds what the light's part shows to the camera.
+void multiplexed_show(inout Multiplexed m, Shown shown, inout Estimate e) {
+    if (shown.value == vec3(0.0)) return;
+    m.position = shown.position;
+    contribute(e, m.s, shown.value * segment_transmittance(shown.ray, shown.absorption, e.rays) * shown.weight);
+}
+
+// Begins a path; `random` is at its beginning, and `kind` is that of its length. Returns whether anything is left to follow.
+bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiplexed m) {
+    m.light_random = random;
+    m.light_random.dimension = LIGHT_DIMENSION;
+    vec4 u = next4(random);
+    vec4 choice = next4(random);
+    m.camera_random = random;
+    m.position = image_place(u.xy);
+    m.lens = u.zw;
+    m.longer = kind >= longest();
+    uint segments = kind + 1u;
+    m.s = m.longer ? 0u : min(uint(choice.x * float(segments + 1u)), segments);
+    m.t = segments + 1u - m.s;
+    if (m.s == 0u || m.s == 1u && m.t > 1u) {
+        multiplexed_begin_camera(m);
+        return true;
+    }
+    vec4 a = next4(m.light_random);
+    vec4 b = next4(m.light_random);
+    m.emitted = light_emit(a, b);
+    m.from_light = true;
+    m.path = path_along(Ray(m.emitted.origin, m.emitted.direction, INFINITY), m.light_random, false);
+    if (m.s > 1u) return m.emitted.power != vec3(0.0);
+    multiplexed_show(m, shown_light(m.path, m.emitted), e);
+    m.light_random.dimension += 1u; // what showed it
+    return false;
+}
+
+// What the camera's part finds of the light's at its last vertex.
+void multiplexed_join(inout Multiplexed m, Vertex v, Bsdf b, vec4 u, inout Estimate e) {
+    Pixel anywhere;
+    if (m.longer || m.s == 1u) {
+        gather_light(anywhere, m.path, v, b, m.partial, !m.longer, u, e);
+        return;
+    }
+    Connection c = connect(m.path, v, b, m.partial, m.end, m.light_random);
+    c.value *= m.path.throughput;
+    if (c.value != vec3(0.0)) contribute(e, m.s + m.t - 1u, c.value * segment_transmittance(c.ray, c.absorption, e.rays) * c.weight);
+}
+
+// Follows the part that is being made to its next vertex; returns whether anything is left to follow.
+bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
+    Hit hit;
+    Pixel anywhere;
+    bool found = trace_visible(m.path.ray, hit, m.path.random, e.rays);
+    if (!m.from_light) m.camera_random.dimension = m.path.random.dimension;
+    uint segments = m.path.depth + 1u;
+    bool last = !m.longer && segments + 1u == (m.from_light ? m.s : m.t);
+    bool may_emit = !m.from_light && (m.longer ? segments > longest() : last && m.s == 0u);
+    if (!found) {
+        if (HAS_BACKGROUND && may_emit) gather_background(anywhere, m.path, m.partial, !m.longer, e);
+        return false;
+    }
+    Vertex v = vertex_at(m.path.ray, hit);
+    path_absorb(m.path, v);
+    path_measure(m.path, v);
+    float arriving = abs(dot(m.path.ray.direction, v.at.normal));
+    if (arriving == 0.0) return false;
+    if (!m.from_light) {
+        vec3 segment = v.at.position - m.path.from.position;
+        float distance2 = dot(segment, segment);
+        partial_arrive(m.partial, CAMERA == CAMERA_ORTHOGRAPHIC && m.path.depth == 0u ? 1.0 : distance2, arriving);
+        if (may_emit) gather_emission(anywhere, m.path, hit, v, m.partial, !m.longer, arriving, distance2, e);
+    }
+    if (v.material == NONE || last && m.s == 0u || segments >= MAX_DEPTH) return false;
+
+    vec3 arrived = m.path.throughput;
+    uint dimension = m.path.random.dimension;
+    Bsdf b = vertex_material(v, m.path.ray, m.path.random);
+    if (m.from_light) light_partial_arrive(m.partial, m.path, m.emitted, v, b, arriving);
+    vec4 light_u = next4(m.path.random);
+    vec4 bsdf_u = next4(m.path.random);
+    if (m.from_light) m.light_random.dimension = m.path.random.dimension;
+    else m.camera_random.dimension = m.path.random.dimension;
+    if (last && bsdf_is_delta(b)) return false;
+
+    if (last && m.from_light && m.t == 1u) {
+        multiplexed_show(m, shown_vertex(m.path, m.emitted.power, v, b, m.partial, light_u), e);
+        return false;
+    }
+    if (last && m.from_light) {
+        m.end = LightVertex(v.at.position, m.path.ray.direction, v.at.normal, hit.primitive, hit.instance, hit.uv, m.emitted.power * arrived,
+                            m.partial.d_vcm, m.partial.d_vc, dimension, segments, m.path.absorption);
+        multiplexed_begin_camera(m);
+        return true;
+    }
+    if (!m.from_light && (m.longer ? segments >= longest() && !bsdf_is_delta(b) : last)) multiplexed_join(m, v, b, light_u, e);
+    if (last) return false;
+
+    BsdfSample s = vertex_sample(v, b, m.path.ray, bsdf_u.xyz);
+    if (m.from_light) s.weight *= adjoint_factor(v, m.path.ray, s);
+    partial_scatter(m.partial, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
+    path_scatter(m.path, v, b, s);
+    if (m.longer) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
+    return m.path.throughput != vec3(0.0);
+}

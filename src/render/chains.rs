@@ -1,0 +1,282 @@
+//! Markov chains on the device: how many there are, what they begin with, and the mean that their visits are scaled by.
+//!
+//! A chain visits paths in proportion to what they bring, so its visits say what the image looks like and not how bright it is. That is
+//! the mean of what candidates and large steps bring: both are independent paths. Chains begin with candidates that are chosen in
+//! proportion to what these bring, which leaves no bias of starting up (Veach 1997, section 11.3.1).
+
+use std::time::Duration;
+
+use super::frames::{self, slots};
+use super::settings::Settings;
+use crate::error::{Error, Result};
+use crate::gpu::{Buffer, Gpu};
+use crate::integrator::Kept;
+use crate::layout::{BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, WORKGROUP, address};
+
+/// Bytes that the chains of a rendering may take where their number is not asked for.
+const CHAIN_BYTES: u64 = 256 << 20;
+/// The fewest candidates, however few the chains are.
+const FEWEST_CANDIDATES: u64 = 1 << 16;
+/// Blocks of numbers that a path draws before its first vertex, and at each, as far as they are worth keeping.
+const FIRST_BLOCKS: u64 = 2;
+const VERTEX_BLOCKS: u64 = 2;
+/// The most vertices of a part of a path whose numbers are kept: those of later ones are drawn anew by each proposal.
+const MOST_VERTICES: u64 = 24;
+/// Of large steps, the share that goes to all kinds of length alike.
+const ALIKE: f64 = 0.1;
+
+/// How much there is of each, before anything is allocated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct ChainSize {
+    /// Chains; 0 where the technique has none.
+    pub chains: u64,
+    /// Those that take part in one sample.
+    pub of_sample: u64,
+    /// Mutations of each of these.
+    pub mutations: u64,
+    /// Paths to begin with.
+    pub candidates: u64,
+    /// Blocks of numbers that a chain has room for, of the camera's and of the lights' paths.
+    pub camera_blocks: u64,
+    pub light_blocks: u64,
+    /// Layers of what its path brings.
+    layers: u64,
+    /// Kinds of length; the last one may be all longer ones.
+    pub kinds: u64,
+}
+
+impl ChainSize {
+    pub fn of(settings: &Settings) -> Self {
+        let technique = &settings.technique;
+        if technique.row.kept != Kept::Chains {
+            return Self::default();
+        }
+        let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0) as u64;
+        let depth = u64::from(settings.max_depth.unwrap_or(u32::MAX));
+        let multiplexed = technique.value("form") == Some("multiplexed");
+        let blocks = FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(MOST_VERTICES);
+        let longest = u64::from(BIDIRECTIONAL_LENGTH);
+        let mut size = Self {
+            camera_blocks: blocks,
+            light_blocks: if multiplexed { FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(longest) } else { 0 },
+            layers: u64::from(settings.layers().max(1)),
+            kinds: if multiplexed { depth.clamp(1, longest + 1) } else { 1 },
+            ..Self::default()
+        };
+        let all = slots(settings.width, settings.height);
+        let workgroup = u64::from(WORKGROUP);
+        let asked = number("chains");
+        let chains = if asked > 0 {
+            asked
+        } else {
+            (CHAIN_BYTES / size.bytes_of_chain() / workgroup * workgroup).clamp(workgroup, all)
+        };
+        // More than take part in a sample take turns.
+        size.of_sample = chains.min(all);
+        size.chains = chains.div_ceil(size.of_sample) * size.of_sample;
+        size.mutations = all.div_ceil(size.of_sample);
+        size.candidates = (number("candidates") * size.chains).max(FEWEST_CANDIDATES);
+        size
+    }
+
+    fn bytes_of_chain(&self) -> u64 {
+        self.number_bytes_of_chain() + self.value_bytes_of_chain() + size_of::<Chain>() as u64
+    }
+
+    fn number_bytes_of_chain(&self) -> u64 {
+        16 * (self.camera_blocks + self.light_blocks)
+    }
+
+    fn value_bytes_of_chain(&self) -> u64 {
+        12 * self.layers
+    }
+
+    /// Bytes of the chains with what their paths bring, of their numbers, and of the candidates.
+    pub fn bytes(&self) -> [(&'static str, u64); 3] {
+        if self.chains == 0 {
+            return [("chains", 0), ("numbers of chains", 0), ("candidates", 0)];
+        }
+        let states = self.chains * (size_of::<Chain>() as u64 + self.value_bytes_of_chain());
+        let table = size_of::<ChainTable>() as u64 + 4 * self.kinds;
+        [
+            ("chains", states + table),
+            ("numbers of chains", self.chains * self.number_bytes_of_chain()),
+            ("candidates", self.candidates * size_of::<Candidate>() as u64),
+        ]
+    }
+}
+
+/// The chains of a rendering.
+pub(super) struct Chains {
+    size: ChainSize,
+    table: Buffer,
+    lengths: Buffer,
+    states: Buffer,
+    values: Buffer,
+    numbers: Buffer,
+    candidates: Buffer,
+    /// Candidates that there are already, and how many fit into a frame, by the last one's speed.
+    made: u64,
+    capacity: u64,
+    /// What candidates bring in the mean, once they are all there.
+    mean: Option<f64>,
+    /// Sum of what they bring, and of its square.
+    sums: [f64; 2],
+}
+
+impl Chains {
+    /// Nothing where the technique has none.
+    pub fn new(gpu: &Gpu, settings: &Settings) -> Result<Option<Self>> {
+        let size = ChainSize::of(settings);
+        if size.chains == 0 {
+            return Ok(None);
+        }
+        let [_, (_, number_bytes), (_, candidate_bytes)] = size.bytes();
+        let mut chains = Self {
+            size,
+            table: Buffer::zeroed(gpu, "chains", size_of::<ChainTable>() as u64)?,
+            lengths: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
+            states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
+            values: Buffer::zeroed(gpu, "chains", size.chains * size.value_bytes_of_chain())?,
+            numbers: Buffer::new(gpu, "numbers of chains", number_bytes)?,
+            candidates: Buffer::new(gpu, "candidates", candidate_bytes)?,
+            made: 0,
+            capacity: frames::FIRST,
+            mean: None,
+            sums: [0.0; 2],
+        };
+        chains.restart()?;
+        Ok(Some(chains))
+    }
+
+    /// Forgets where chains are.
+    pub fn restart(&mut self) -> Result<()> {
+        (self.made, self.mean, self.sums) = (0, None, [0.0; 2]);
+        let kinds = self.size.kinds as usize;
+        self.describe(&vec![1.0 / kinds as f64; kinds], 0.0)
+    }
+
+    /// Device address of the table.
+    pub fn address(&self) -> u64 {
+        self.table.address()
+    }
+
+    /// The next candidates to make: the first one, and how many; nothing where they are all there.
+    pub fn missing(&self) -> Option<(u32, u32)> {
+        let left = self.size.candidates - self.made;
+        (left > 0).then(|| (self.made as u32, self.capacity.min(left) as u32))
+    }
+
+    /// Takes note of candidates that were made; chooses among them once all are there.
+    pub fn made(&mut self, count: u32, took: Duration) -> Result<()> {
+        self.made += u64::from(count);
+        self.capacity = frames::adapted(self.capacity, u64::from(count), took);
+        if self.made == self.size.candidates { self.begin() } else { Ok(()) }
+    }
+
+    fn begin(&mut self) -> Result<()> {
+        let candidates: Vec<Candidate> = self.candidates.read(self.size.candidates as usize)?;
+        let brings = |candidate: &Candidate| f64::from(candidate.brings);
+        self.sums = candidates.iter().map(brings).fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
+        let mean = self.sums[0] / candidates.len() as f64;
+        self.mean = Some(mean);
+        if mean == 0.0 {
+            return Err(Error::NothingFound(format!(
+                "no light in {} paths: there is nothing to mutate; more :candidates of mlt may find some, or another technique",
+                candidates.len()
+            )));
+        }
+        let mut shares = vec![0.0; self.size.kinds as usize];
+        candidates.iter().for_each(|candidate| shares[candidate.kind as usize] += brings(candidate));
+        let all = shares.len() as f64;
+        shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / self.sums[0]);
+        self.describe(&shares, mean)?;
+        let begun = chosen(&candidates, self.size.chains as usize);
+        let states: Vec<Chain> = begun
+            .map(|candidate| Chain {
+                candidate,
+                kind: candidates[candidate as usize].kind,
+                known: NONE,
+                ..Chain::default()
+            })
+            .collect();
+        self.states.upload(bytemuck::cast_slice(&states))
+    }
+
+    /// Writes the table, with the probability of each kind of length.
+    fn describe(&self, shares: &[f64], mean: f64) -> Result<()> {
+        let mut sum = 0.0;
+        let mut cumulative: Vec<f32> = shares
+            .iter()
+            .map(|share| {
+                sum += share;
+                sum as f32
+            })
+            .collect();
+        if let Some(last) = cumulative.last_mut() {
+            *last = 1.0;
+        }
+        self.lengths.upload(bytemuck::cast_slice(&cumulative))?;
+        let size = &self.size;
+        let table = ChainTable {
+            candidates: address(self.candidates.address()),
+            states: address(self.states.address()),
+            values: address(self.values.address()),
+            numbers: address(self.numbers.address()),
+            lengths: address(self.lengths.address()),
+            length_count: size.kinds as u32,
+            chains: size.chains as u32,
+            chains_of_sample: size.of_sample as u32,
+            mutations: size.mutations as u32,
+            camera_blocks: size.camera_blocks as u32,
+            light_blocks: size.light_blocks as u32,
+            normalisation: mean as f32,
+        };
+        self.table.upload(bytemuck::bytes_of(&table))
+    }
+
+    /// What the film is to be multiplied by: the mean of what all independent paths so far bring, over that by which chains scaled their
+    /// visits; 1 before any.
+    pub fn correction(&self) -> Result<f64> {
+        let Some(mean) = self.mean.filter(|mean| *mean > 0.0) else { return Ok(1.0) };
+        let states: Vec<Chain> = self.states.read(self.size.chains as usize)?;
+        let sum: f64 = states.iter().map(|chain| f64::from(chain.sum) + f64::from(chain.sum_low)).sum();
+        let count: f64 = states.iter().map(|chain| f64::from(chain.large_steps)).sum();
+        Ok((self.sums[0] + sum) / (self.size.candidates as f64 + count) / f64::from(mean as f32))
+    }
+}
+
+/// As many candidates as there are chains, each in proportion to what it brings: at equal distances along the sum of that (systematic
+/// resampling, Kitagawa 1996).
+fn chosen(candidates: &[Candidate], chains: usize) -> impl Iterator<Item = u32> {
+    let total: f64 = candidates.iter().map(|candidate| f64::from(candidate.brings)).sum();
+    let (mut index, mut passed) = (0, f64::from(candidates[0].brings));
+    (0..chains).map(move |chain| {
+        let at = (chain as f64 + 0.5) / chains as f64 * total;
+        while passed <= at && index + 1 < candidates.len() {
+            index += 1;
+            passed += f64::from(candidates[index].brings);
+        }
+        index as u32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each candidate is chosen as often as its share of the sum asks for, to within one, and what brings nothing never.
+    #[test]
+    fn chains_begin_in_proportion() {
+        let brings = [0.0, 3.0, 0.5, 0.0, 0.0, 6.5, 0.0];
+        let candidates = brings.map(|brings| Candidate { brings, kind: 0 });
+        for chains in [1, 7, 100, 1001] {
+            let mut counts = [0; 7];
+            chosen(&candidates, chains).for_each(|index| counts[index as usize] += 1);
+            for (count, brings) in counts.iter().zip(brings) {
+                assert!((f64::from(*count) - f64::from(brings) / 10.0 * chains as f64).abs() < 1.0, "{counts:?}");
+                assert!(brings > 0.0 || *count == 0, "{counts:?}");
+            }
+        }
+    }
+}
