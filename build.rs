@@ -85,7 +85,12 @@ fn variants() -> Vec<Variant> {
         .collect();
     all.extend(lean);
     // Techniques with their names, for tests/layout.rs.
-    for (name, defines) in [("path", None), ("bdpt", Some("PASS_LIGHT")), ("photon", Some("PASS_CAMERA"))] {
+    for (name, defines) in [
+        ("path", None),
+        ("bdpt", Some("PASS_LIGHT")),
+        ("photon", Some("PASS_CAMERA")),
+        ("radiosity", Some("PASS_GATHER")),
+    ] {
         all.extend(backend::BACKENDS.iter().map(|backend| Variant {
             name: format!("test/{name}.{}", backend.name),
             file: format!("integrators/{name}.glsl"),

@@ -12,6 +12,8 @@ pub enum Solves {
     Direct,
     /// The same as the camera sees it by way of any number of mirrors and smooth glass.
     Mirrored,
+    /// All of it between surfaces that are taken for diffuse.
+    Diffuse,
     /// All of it: the rendering equation.
     Everything,
 }
@@ -22,6 +24,7 @@ impl Solves {
         match self {
             Self::Direct => "emission and direct light",
             Self::Mirrored => "emission and direct light, also as mirrors and smooth glass show them",
+            Self::Diffuse => "full light transport, all surfaces taken for diffuse",
             Self::Everything => "full light transport",
         }
     }
@@ -79,6 +82,10 @@ pub enum Over {
     LightVertices,
     /// All cells of the grid, likewise.
     Cells,
+    /// The patches of the scene ([`Kept::Patches`]), between samples of the image and in frames of their own.
+    Patches,
+    /// Their vertices, likewise.
+    PatchVertices,
 }
 
 /// What is kept of paths from the lights.
@@ -91,6 +98,8 @@ pub enum Kept {
     /// Vertices of all paths of one sample, for all its paths from the camera to find in a grid: bytes of one, and how many of a
     /// path.
     Grid(u32, u32),
+    /// No paths, but what patches of the scene's surfaces have received.
+    Patches,
 }
 
 /// One dispatch of a technique's frame.
@@ -111,7 +120,8 @@ pub enum Values {
     Number(f32, f32, f32),
 }
 
-/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on.
+/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on up to the fourth. Further ones are for
+/// the host alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its name on the command line: `-i technique:name=value`.
@@ -388,6 +398,63 @@ pub const INTEGRATORS: &[Integrator] = &[
             ALPHA,
         ],
     },
+    Integrator {
+        name: "radiosity",
+        title: "radiosity by stochastic Jacobi iteration",
+        file: "radiosity.glsl",
+        passes: &[
+            Pass { name: "albedo", over: Over::Patches },
+            Pass { name: "gather", over: Over::Patches },
+            Pass { name: "shoot", over: Over::Patches },
+            Pass { name: "collect", over: Over::Patches },
+            Pass { name: "vertices", over: Over::PatchVertices },
+            Pass { name: "pixels", over: Over::Pixels },
+        ],
+        solves: Solves::Diffuse,
+        bias: Bias::Biased(
+            "surfaces are diffuse, and patches of them have one irradiance each, which smaller patches make exact",
+        ),
+        rr_depth: 5,
+        splats: false,
+        kept: Kept::Patches,
+        misses: &[],
+        parameters: &[
+            Parameter {
+                name: "solver",
+                about: "gather: patches collect light by rays that leave them; shoot: lights and patches send it out, by as many rays as \
+                        there is power",
+                values: Values::Choice(&["gather", "shoot"]),
+                biased: None,
+            },
+            Parameter {
+                name: "shown",
+                about: "vertices: interpolated from the patches' corners; patches: as they are; gathered: light from the patches and the \
+                        lights, collected anew at each point",
+                values: Values::Choice(&["vertices", "patches", "gathered"]),
+                biased: None,
+            },
+            Parameter {
+                name: "patches",
+                about: "along the longest edge in the scene; all others have as many as keeps them as large, rounded up",
+                values: Values::Number(1.0, 65536.0, 32.0),
+                biased: None,
+            },
+            Parameter {
+                name: "adaptive",
+                about: "above 0, patches may be up to 8 times as long as that where irradiance differs from one to the next by less than \
+                        this share of it",
+                values: Values::Number(0.0, 10.0, 0.0),
+                biased: None,
+            },
+            Parameter {
+                name: "rays",
+                about: "that each patch sends out in a round, one of which goes before each sample of the image; 0 is as many as all \
+                        patches together have pixels, up to 64",
+                values: Values::Number(0.0, 65536.0, 0.0),
+                biased: None,
+            },
+        ],
+    },
 ];
 
 impl Integrator {
@@ -396,6 +463,9 @@ impl Integrator {
         let mut stage = 0;
         let mut before = Over::Pixels;
         let mut next = |pass: &Pass| {
+            if matches!(pass.over, Over::Patches | Over::PatchVertices) {
+                return stage; // not in the frames of the image
+            }
             stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
             before = pass.over;
             stage

@@ -8,9 +8,10 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 9] = [
+const MODULES: [&str; 10] = [
     "test/bdpt.bvh",
     "test/photon.bvh",
+    "test/radiosity.bvh",
     "test/path.bvh",
     "test/path.ray-query",
     "test/trace.bvh",

@@ -8,30 +8,37 @@ mod frames;
 mod kernel;
 mod memory;
 mod merge_radius;
+mod patch_frames;
+mod patch_report;
 mod probe;
+mod radiosity;
 mod scratch;
 mod settings;
 mod target;
 mod upload;
 mod watch;
 
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 pub use memory::{Part, Prediction};
+pub use patch_report::PatchReport;
 pub use probe::Probe;
 pub use settings::{Settings, Technique};
 
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::Over;
+use crate::integrator::{Kept, Over, Pass};
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
+use crate::scene::patches::Quartered;
 use crate::strategies::Strategy;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
+use radiosity::Radiosity;
 use scratch::Scratch;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
@@ -57,11 +64,12 @@ pub struct Renderer {
     gpu: Gpu,
     settings: Settings,
     /// The row's passes in order; the first one's scene is that of all.
-    passes: Vec<(Over, Kernel)>,
+    passes: Vec<(Pass, Kernel)>,
     /// The stage of each.
     stages: Vec<u32>,
     merge_radius: MergeRadius,
     scratch: Scratch,
+    radiosity: Option<Radiosity>,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -83,19 +91,30 @@ impl Renderer {
         settings.check(gpu)?;
         memory::check(gpu, scene, settings)?;
         let row = settings.technique.row;
-        let mut passes: Vec<(Over, Kernel)> = Vec::new();
-        for pass in row.passes {
+        let mut passes: Vec<(Pass, Kernel)> = Vec::new();
+        let mut stages = Vec::new();
+        for (pass, stage) in row.passes.iter().zip(row.stages()) {
+            if radiosity::is_idle(pass.name, settings) {
+                continue;
+            }
+            stages.push(stage);
             let name = format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
             let kernel = match passes.first() {
                 None => Kernel::new(gpu, scene, settings, &name, watch)?,
                 Some((_, first)) => first.sibling(gpu, scene, settings, &name)?,
             };
-            passes.push((pass.over, kernel));
+            passes.push((*pass, kernel));
         }
         let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
         let scratch = Scratch::new(gpu, settings)?;
-        let stages = row.stages();
+        let radiosity = match row.kept {
+            Kept::Patches => {
+                let quartered = Quartered::These(HashSet::new());
+                Some(Radiosity::new(gpu, scene, &passes[0].1.scene, settings, &quartered)?)
+            }
+            _ => None,
+        };
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -118,18 +137,23 @@ impl Renderer {
             seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
             passes,
             scratch,
+            radiosity,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
         renderer.dispatch(Frame::NOTHING, true)?;
         renderer.seconds.compile = compile_seconds + started.elapsed().as_secs_f64();
+        renderer.quarter_patches(scene, watch)?;
         Ok(renderer)
     }
 
     /// Runs one frame towards `target` samples per pixel; returns false once they are all taken.
     pub fn advance(&mut self, target: u32) -> Result<bool> {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
+        if self.pass_light_on(frame.first_sample)? {
+            return Ok(true);
+        }
         let started = Instant::now();
         let device = self.dispatch(frame, self.plan.ends_stages(frame))?;
         let wall = started.elapsed();
@@ -145,6 +169,9 @@ impl Renderer {
         self.film.clear()?;
         self.layers.clear()?;
         self.scratch.splats.clear()?;
+        if let Some(radiosity) = &mut self.radiosity {
+            radiosity.restart()?;
+        }
         self.plan = self.plan.restarted();
         (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         (self.rays, self.nonfinite) = (0, 0);
@@ -156,6 +183,11 @@ impl Renderer {
     /// that changes no bit of the film.
     pub fn bound_frames(&mut self, most: u64) {
         self.plan.bound(most);
+    }
+
+    /// What the patches came to, where there are any.
+    pub fn patches(&self) -> Result<Option<PatchReport>> {
+        self.radiosity.as_ref().map(Radiosity::report).transpose()
     }
 
     /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:
@@ -218,10 +250,9 @@ impl Renderer {
         Ok(film)
     }
 
-    /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
-    /// time is the device's.
-    fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
-        let constants = FrameConstants {
+    /// What all passes of a frame are given.
+    fn constants(&self, frame: Frame) -> FrameConstants {
+        FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
             tally: address(self.tally.address()),
@@ -240,7 +271,15 @@ impl Renderer {
             width: self.settings.width,
             height: self.settings.height,
             seed: self.settings.seed,
-        };
+            patches: self.radiosity.as_ref().map_or([0; 2], |radiosity| address(radiosity.address())),
+            round: self.radiosity.as_ref().map_or(0, Radiosity::shown_round),
+        }
+    }
+
+    /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
+    /// time is the device's.
+    fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
+        let constants = self.constants(frame);
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let Frame { first_slot, slots, first_sample, samples, .. } = frame;
         let work =
@@ -252,7 +291,10 @@ impl Renderer {
         let stages = &self.stages;
         let took = self.gpu.run(&name, &work, |commands| {
             commands.clear(tally);
-            for ((over, kernel), stage) in passes.iter().zip(stages) {
+            for ((Pass { over, .. }, kernel), stage) in passes.iter().zip(stages) {
+                if samples > 0 && matches!(over, Over::Patches | Over::PatchVertices) {
+                    continue;
+                }
                 if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
                     continue;
                 }
@@ -261,6 +303,7 @@ impl Renderer {
                     Over::Image => whole(all),
                     Over::LightVertices => whole(size.places()),
                     Over::Cells => whole(size.cells),
+                    Over::Patches | Over::PatchVertices => (0, 0),
                 };
                 let mut start = first;
                 loop {
@@ -276,6 +319,12 @@ impl Renderer {
                 commands.barrier();
             }
         })?;
+        self.take_in_tally()?;
+        Ok(took.device)
+    }
+
+    /// Takes in what a submission has counted.
+    fn take_in_tally(&mut self) -> Result<()> {
         let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;
         let (bad, rays) = counted.split_at((1 + 2 * BAD_SAMPLES) as usize);
         self.rays += rays.iter().map(|count| u64::from(*count)).sum::<u64>();
@@ -291,7 +340,7 @@ impl Renderer {
             .collect();
         located.sort_unstable();
         self.bad_samples.extend(located.into_iter().take(room));
-        Ok(took.device)
+        Ok(())
     }
 }
 

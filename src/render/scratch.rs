@@ -44,6 +44,8 @@ pub(super) struct ScratchSize {
     pub place_bytes: u64,
     /// Light paths in each sample of the image.
     pub light_paths: u32,
+    /// Each sample shows patches in a state of their own.
+    pub has_patches: bool,
 }
 
 impl ScratchSize {
@@ -58,7 +60,7 @@ impl ScratchSize {
             (true, false) => (SPLAT_BYTES / plane).clamp(1, MOST_PLANES),
         };
         let (vertex, vertices) = match row.kept {
-            Kept::Nothing => (0, 0),
+            Kept::Nothing | Kept::Patches => (0, 0),
             Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
             Kept::Grid(bytes, most) => (bytes, most.min(gathered(settings.max_depth))),
         };
@@ -66,7 +68,7 @@ impl ScratchSize {
         let all = slots(settings.width, settings.height) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
         let paths = match row.kept {
-            Kept::Nothing => 0,
+            Kept::Nothing | Kept::Patches => 0,
             Kept::Paths => (LIGHT_PATH_BYTES / path).max(least).min(all),
             Kept::Grid(..) => (LIGHT_PATH_BYTES / path).min(pixels),
         };
@@ -81,6 +83,7 @@ impl ScratchSize {
             cell_bytes: if has_grid { 4 + cells * size_of::<GridCell>() as u64 } else { 0 },
             place_bytes: if has_grid { paths * u64::from(vertices) * PLACE_BYTES } else { 0 },
             light_paths: if has_grid { paths } else { pixels } as u32,
+            has_patches: row.kept == Kept::Patches,
         }
     }
 
@@ -94,7 +97,7 @@ impl ScratchSize {
         let has_grid = self.cells > 0;
         Room {
             slots: max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
-            samples: match (has_grid, self.planes) {
+            samples: match (has_grid || self.has_patches, self.planes) {
                 (true, _) => 1,
                 (false, 0) => u32::MAX,
                 (false, planes) => planes as u32,
