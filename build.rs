@@ -87,7 +87,13 @@ fn variants() -> Vec<Variant> {
     all.iter_mut().filter(|full| full.name.starts_with("mlt.multiplexed.")).for_each(|full| full.optimised = false);
     all.extend(lean);
     // Techniques with their names, for tests/layout.rs.
-    for (name, defines) in [("path", None), ("bdpt", Some("PASS_LIGHT")), ("photon", Some("PASS_CAMERA")), ("mlt", Some("PASS_PRIMARY"))] {
+    for (name, defines) in [
+        ("path", None),
+        ("bdpt", Some("PASS_LIGHT")),
+        ("photon", Some("PASS_CAMERA")),
+        ("radiosity", Some("PASS_GATHER")),
+        ("mlt", Some("PASS_PRIMARY")),
+    ] {
         all.extend(backend::BACKENDS.iter().map(|backend| Variant {
             name: format!("test/{name}.{}", backend.name),
             file: format!("integrators/{name}.glsl"),

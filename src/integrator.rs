@@ -12,6 +12,8 @@ pub enum Solves {
     Direct,
     /// The same as the camera sees it by way of any number of mirrors and smooth glass.
     Mirrored,
+    /// All of it between surfaces that are taken for diffuse.
+    Diffuse,
     /// All of it: the rendering equation.
     Everything,
 }
@@ -22,6 +24,7 @@ impl Solves {
         match self {
             Self::Direct => "emission and direct light",
             Self::Mirrored => "emission and direct light, also as mirrors and smooth glass show them",
+            Self::Diffuse => "full light transport, all surfaces taken for diffuse",
             Self::Everything => "full light transport",
         }
     }
@@ -79,6 +82,10 @@ pub enum Over {
     LightVertices,
     /// All cells of the grid, likewise.
     Cells,
+    /// The patches of the scene ([`Kept::Patches`]), between samples of the image and in frames of their own.
+    Patches,
+    /// Their vertices, likewise.
+    PatchVertices,
 }
 
 /// What is kept of paths from the lights.
@@ -93,6 +100,8 @@ pub enum Kept {
     Grid(u32, u32),
     /// Markov chains, each with its current path. Frames of no samples make the paths that they may begin with.
     Chains,
+    /// No paths, but what patches of the scene's surfaces have received.
+    Patches,
 }
 
 /// One dispatch of a technique's frame.
@@ -115,7 +124,8 @@ pub enum Values {
     Number(f32, f32, f32),
 }
 
-/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on.
+/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on up to the fourth. Further ones are for
+/// the host alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its name on the command line: `-i technique:name=value`.
@@ -162,9 +172,9 @@ const fn pass(name: &'static str, over: Over) -> Pass {
     Pass { name, over, with: None }
 }
 
-/// One that takes part with one form of the technique.
-const fn pass_of_form(name: &'static str, over: Over, form: &'static str) -> Pass {
-    Pass { name, over, with: Some(("form", form)) }
+/// One that takes part where a parameter has this value.
+const fn pass_with(name: &'static str, over: Over, parameter: &'static str, value: &'static str) -> Pass {
+    Pass { name, over, with: Some((parameter, value)) }
 }
 
 const PIXELS: &[Pass] = &[pass("pixels", Over::Pixels)];
@@ -421,8 +431,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         title: "Metropolis light transport",
         file: "mlt.glsl",
         passes: &[
-            pass_of_form("primary", Over::Pixels, "primary"),
-            pass_of_form("multiplexed", Over::Pixels, "multiplexed"),
+            pass_with("primary", Over::Pixels, "form", "primary"),
+            pass_with("multiplexed", Over::Pixels, "form", "multiplexed"),
             RESOLVE,
         ],
         solves: Solves::Everything,
@@ -462,6 +472,68 @@ pub const INTEGRATORS: &[Integrator] = &[
             },
         ],
     },
+    Integrator {
+        name: "radiosity",
+        title: "radiosity by stochastic Jacobi iteration",
+        file: "radiosity.glsl",
+        passes: &[
+            pass("albedo", Over::Patches),
+            pass_with("gather", Over::Patches, "solver", "gather"),
+            pass_with("shoot", Over::Patches, "solver", "shoot"),
+            pass_with("collect", Over::Patches, "solver", "shoot"),
+            pass("vertices", Over::PatchVertices),
+            pass("pixels", Over::Pixels),
+        ],
+        solves: Solves::Diffuse,
+        bias: Bias::Biased(
+            "surfaces are diffuse, and patches of them have one irradiance each, which smaller patches make exact",
+        ),
+        rr_depth: 5,
+        splats: false,
+        kept: Kept::Patches,
+        misses: &[],
+        parameters: &[
+            Parameter {
+                name: "solver",
+                about: "gather: patches collect light by rays that leave them; shoot: lights and patches send it out, by as many rays as \
+                        there is power",
+                values: Values::Choice(&["gather", "shoot"]),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "shown",
+                about: "vertices: interpolated from the patches' corners; patches: as they are; gathered: light from the patches and the \
+                        lights, collected anew at each point",
+                values: Values::Choice(&["vertices", "patches", "gathered"]),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "patches",
+                about: "along the longest edge in the scene; all others have as many as keeps them as large, rounded up",
+                values: Values::Number(1.0, 65536.0, 32.0),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "adaptive",
+                about: "above 0, patches may be up to 8 times as long as that where irradiance differs from one to the next by less than \
+                        this share of it",
+                values: Values::Number(0.0, 10.0, 0.0),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "rays",
+                about: "that each patch sends out in a round, one of which goes before each sample of the image; 0 is as many as all \
+                        patches together have pixels, up to 64",
+                values: Values::Number(0.0, 65536.0, 0.0),
+                biased: None,
+                misses: &[],
+            },
+        ],
+    },
 ];
 
 /// The stage of each of some passes: a pass over pixels begins another one where the pass before it was not over pixels.
@@ -469,6 +541,9 @@ pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {
     let mut stage = 0;
     let mut before = Over::Pixels;
     let next = |pass: &Pass| {
+        if matches!(pass.over, Over::Patches | Over::PatchVertices) {
+            return stage; // not in the frames of the image
+        }
         stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
         before = pass.over;
         stage

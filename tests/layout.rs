@@ -8,10 +8,11 @@ use lumbre::layout::{self, SPECIALISATION, address};
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 10] = [
+const MODULES: [&str; 11] = [
     "test/mlt.bvh",
     "test/bdpt.bvh",
     "test/photon.bvh",
+    "test/radiosity.bvh",
     "test/path.bvh",
     "test/path.ray-query",
     "test/trace.bvh",

@@ -49,7 +49,7 @@ vec4 next4(inout Sampler s) {
     uvec4 bits = pcg4d(uvec4(s.chain, s.mutation, s.dimension, frame.seed));
     uint block = is_of_light(s.dimension) ? s.dimension - LIGHT_DIMENSION : s.dimension;
     uint known = is_of_light(s.dimension) ? s.known >> 16u : s.known & 0xffffu;
-    vec4 u = vec4(bits >> 8u) * (1.0 / 16777216.0);
+    vec4 u = uniform4(bits);
     Numbers place;
     if (block < known && block_place(s.chain, s.dimension, place)) u = perturbed(place.block, bits);
     s.dimension += 1u;
@@ -67,4 +67,4 @@ void keep_numbers(Sampler s, uint chain, uint first, uint count) {
 }
 
 // What belongs to a proposal as a whole: whether it is a large step, whether it is accepted, and which pixel takes it.
-vec4 decisions(uint chain, uint mutation) { return vec4(pcg4d(uvec4(chain, mutation, NONE, frame.seed)) >> 8u) * (1.0 / 16777216.0); }
+vec4 decisions(uint chain, uint mutation) { return uniform4(pcg4d(uvec4(chain, mutation, NONE, frame.seed))); }

@@ -102,7 +102,7 @@ bool chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint use
     vec4 u = decisions(index, mutation);
     float acceptance = begins || proposed >= c.brings ? 1.0 : proposed / c.brings;
     if (!begins) {
-        vec4 pixels = vec4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)) >> 8u) * (1.0 / 16777216.0);
+        vec4 pixels = uniform4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)));
         visit_splat(position, pixels.xy, acceptance, proposed, sample_index, e);
         Estimate current;
         current.radiance = value_at(index, 0u).value;

@@ -19,6 +19,9 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
+// Uniform on [0, 1) in steps of 2^-24.
+vec4 uniform4(uvec4 bits) { return vec4(bits >> 8u) * (1.0 / 16777216.0); }
+
 #ifndef CHAINS
 struct Sampler {
     uint pixel;
@@ -57,19 +60,28 @@ uvec2 sobol_pair(uint reversed, uint shuffle, uint key_x, uint key_y) {
     return bitfieldReverse(uvec2(owen_hash(index, key_x), owen_hash(sobol_second(index), key_y)));
 }
 
+// Four numbers of the sample: two pairs, each of which is spread evenly over the unit square by the samples of a pixel.
+uvec4 sobol_pairs(Sampler s) {
+    uvec4 key = pcg4d(uvec4(s.pixel, s.dimension, s.seed, 0x5b0e1u));
+    uvec4 more = pcg4d(key);
+    uint reversed = bitfieldReverse(s.sample_index);
+    return uvec4(sobol_pair(reversed, key.x, key.y, key.z), sobol_pair(reversed, more.x, more.y, more.z));
+}
+
 // The next four numbers, uniform on [0, 1) in steps of 2^-24: independent ones, or two pairs, each of which is spread evenly over
 // the unit square by the samples of a pixel.
 vec4 next4(inout Sampler s) {
     uvec4 bits;
-    if (HAS_SOBOL) {
-        uvec4 key = pcg4d(uvec4(s.pixel, s.dimension, s.seed, 0x5b0e1u));
-        uvec4 more = pcg4d(key);
-        uint reversed = bitfieldReverse(s.sample_index);
-        bits = uvec4(sobol_pair(reversed, key.x, key.y, key.z), sobol_pair(reversed, more.x, more.y, more.z));
-    } else {
-        bits = pcg4d(uvec4(s.pixel, s.sample_index, s.dimension, s.seed));
-    }
+    if (HAS_SOBOL) bits = sobol_pairs(s);
+    else bits = pcg4d(uvec4(s.pixel, s.sample_index, s.dimension, s.seed));
     s.dimension += 1u;
-    return vec4(bits >> 8u) * (1.0 / 16777216.0);
+    return uniform4(bits);
+}
+
+// The same in spread pairs, whatever the sampler.
+vec4 next4_spread(inout Sampler s) {
+    uvec4 bits = sobol_pairs(s);
+    s.dimension += 1u;
+    return uniform4(bits);
 }
 #endif

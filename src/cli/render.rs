@@ -178,6 +178,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
+    if let Some(taken) = settings.technique.simplifies(&scene).filter(|_| !args.quiet) {
+        eprintln!(
+            "warning: {} takes for diffuse, with the albedo that they have: {taken}",
+            settings.technique.row.name
+        );
+    }
+
     gpu.reset_peak();
     let building = BuildProgress::new(args.quiet);
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
@@ -203,7 +210,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     progress.finish();
 
     let film = renderer.film()?;
-    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started);
+    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
     let picture = report::picture(&film, &result, &args.aov);
     for path in &job.outputs {
         let pyramid = if format_of(path)? == Format::Png { pyramid::pyramid(&film) } else { None };

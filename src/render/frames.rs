@@ -5,7 +5,7 @@ use std::time::Duration;
 use crate::layout::WORKGROUP;
 
 /// What one submission should take.
-const FRAME: Duration = Duration::from_millis(100);
+pub(super) const FRAME: Duration = Duration::from_millis(100);
 /// Pixel samples of the first frame, before anything is known of the speed.
 pub(super) const FIRST: u64 = 1 << 14;
 
@@ -82,7 +82,19 @@ pub(super) fn adapted(capacity: u64, work: u64, took: Duration) -> u64 {
 impl FramePlan {
     pub fn new(width: u32, height: u32, stages: u32, room: Room) -> Self {
         let slots = slots(width, height) as u32; // checked before anything is allocated
-        Self { width, height, slots, stages, room, done: 0, stage: 0, cursor: 0, pass: 0, capacity: FIRST, bound: u64::MAX }
+        Self {
+            width,
+            height,
+            slots,
+            stages,
+            room,
+            done: 0,
+            stage: 0,
+            cursor: 0,
+            pass: 0,
+            capacity: FIRST,
+            bound: u64::MAX,
+        }
     }
 
     /// The same plan at its beginning; what it knows of the speed stays.

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::chains::ChainSize;
 use super::frames::slots;
+use super::radiosity;
 use super::scratch::ScratchSize;
 use super::settings::Settings;
 use super::upload::most_in_part;
@@ -11,10 +12,12 @@ use crate::backend::Backend;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
 use crate::gpu::accel::{self, BuildSizes};
+use crate::integrator::Kept;
 use crate::layout::{
     self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
     UNIFORM_MATERIALS, UNIFORM_SURFACES,
 };
+use crate::scene::patches::Quartered;
 use crate::scene::{Filter, Scene};
 
 /// Bytes of one pixel of one layer by path length: two sums of three floats.
@@ -64,6 +67,13 @@ impl Prediction {
     pub fn of(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Self> {
         let mut table = Table::default();
         table.film(settings);
+        if settings.technique.row.kept == Kept::Patches {
+            // Where patches are quartered as need be, it is the most that they can be.
+            let mesh = radiosity::mesh(scene, settings, &Quartered::All)?;
+            for (name, bytes) in radiosity::sizes(&mesh, scene, settings) {
+                table.add(name, bytes, radiosity::threshold(settings) == 0.0);
+            }
+        }
         Self::with_scene(table, scene, settings, gpu)
     }
 

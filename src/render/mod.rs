@@ -9,31 +9,38 @@ mod frames;
 mod kernel;
 mod memory;
 mod merge_radius;
+mod patch_frames;
+mod patch_report;
 mod probe;
+mod radiosity;
 mod scratch;
 mod settings;
 mod target;
 mod upload;
 mod watch;
 
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 pub use memory::{Part, Prediction};
+pub use patch_report::PatchReport;
 pub use probe::Probe;
 pub use settings::{Settings, Technique};
 
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::{self, Over, Pass};
+use crate::integrator::{self, Kept, Over, Pass};
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
+use crate::scene::patches::Quartered;
 use crate::strategies::Strategy;
 use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
+use radiosity::Radiosity;
 use scratch::Scratch;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
@@ -67,13 +74,14 @@ pub struct Renderer {
     gpu: Gpu,
     settings: Settings,
     /// The row's passes in order; the first one's scene is that of all.
-    passes: Vec<(Over, Kernel)>,
+    passes: Vec<(Pass, Kernel)>,
     /// The stage of each.
     stages: Vec<u32>,
     merge_radius: MergeRadius,
     scratch: Scratch,
     /// Where the technique has some.
     chains: Option<Chains>,
+    radiosity: Option<Radiosity>,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -95,20 +103,27 @@ impl Renderer {
         settings.check(gpu)?;
         memory::check(gpu, scene, settings)?;
         let row = settings.technique.row;
-        let mut passes: Vec<(Over, Kernel)> = Vec::new();
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
+        let mut passes: Vec<(Pass, Kernel)> = Vec::new();
         for pass in &taking_part {
             let name = format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
             let kernel = match passes.first() {
                 None => Kernel::new(gpu, scene, settings, &name, watch)?,
                 Some((_, first)) => first.sibling(gpu, scene, settings, &name)?,
             };
-            passes.push((pass.over, kernel));
+            passes.push((**pass, kernel));
         }
         let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
         let scratch = Scratch::new(gpu, settings)?;
         let stages = integrator::stages(taking_part.into_iter());
+        let radiosity = match row.kept {
+            Kept::Patches => {
+                let quartered = Quartered::These(HashSet::new());
+                Some(Radiosity::new(gpu, scene, &passes[0].1.scene, settings, &quartered)?)
+            }
+            _ => None,
+        };
         let pixels = u64::from(settings.width) * u64::from(settings.height);
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -132,12 +147,14 @@ impl Renderer {
             passes,
             scratch,
             chains: Chains::new(gpu, settings)?,
+            radiosity,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
         renderer.dispatch(Frame::NOTHING, true)?;
         renderer.seconds.compile = compile_seconds + started.elapsed().as_secs_f64();
+        renderer.quarter_patches(scene, watch)?;
         Ok(renderer)
     }
 
@@ -146,6 +163,9 @@ impl Renderer {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
         if let Some((first, count)) = self.chains.as_ref().and_then(Chains::missing) {
             self.make_candidates(first, count)?;
+            return Ok(true);
+        }
+        if self.pass_light_on(frame.first_sample)? {
             return Ok(true);
         }
         let started = Instant::now();
@@ -164,6 +184,9 @@ impl Renderer {
         self.layers.clear()?;
         self.scratch.splats.clear()?;
         self.chains.as_mut().map_or(Ok(()), Chains::restart)?;
+        if let Some(radiosity) = &mut self.radiosity {
+            radiosity.restart()?;
+        }
         self.plan = self.plan.restarted();
         (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         (self.rays, self.nonfinite) = (0, 0);
@@ -175,6 +198,11 @@ impl Renderer {
     /// that changes no bit of the film.
     pub fn bound_frames(&mut self, most: u64) {
         self.plan.bound(most);
+    }
+
+    /// What the patches came to, where there are any.
+    pub fn patches(&self) -> Result<Option<PatchReport>> {
+        self.radiosity.as_ref().map(Radiosity::report).transpose()
     }
 
     /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:
@@ -238,46 +266,9 @@ impl Renderer {
         Ok(film)
     }
 
-    /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
-    /// time is the device's.
-    fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
-        let Frame { first_slot, slots, first_sample, samples, .. } = frame;
-        let work =
-            format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
-        // A frame of nothing makes CPU devices compile.
-        let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
-        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
-        let mut runs = Vec::new();
-        for (index, ((over, _), stage)) in self.passes.iter().zip(&self.stages).enumerate() {
-            if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
-                continue;
-            }
-            let (first, count) = match over {
-                Over::Pixels => (first_slot, slots),
-                Over::Image => whole(all),
-                Over::LightVertices => whole(size.places()),
-                Over::Cells => whole(size.cells),
-            };
-            runs.push(Run { pass: index, first, count });
-        }
-        self.submit(&work, frame, &runs)
-    }
-
-    /// Makes candidates for chains to begin with.
-    fn make_candidates(&mut self, first: u32, count: u32) -> Result<()> {
-        let started = Instant::now();
-        let runs = [Run { pass: 0, first, count }];
-        let device = self.submit(&format!("{count} candidates from {first}"), Frame::NOTHING, &runs)?;
-        let took = started.elapsed();
-        self.chains.as_mut().map_or(Ok(()), |chains| chains.made(count, took))?;
-        self.seconds.render += started.elapsed().as_secs_f64();
-        self.seconds.device += device.as_secs_f64();
-        Ok(())
-    }
-
-    /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted.
-    fn submit(&mut self, work: &str, frame: Frame, runs: &[Run]) -> Result<Duration> {
-        let constants = FrameConstants {
+    /// What all passes of a frame are given.
+    fn constants(&self, frame: Frame) -> FrameConstants {
+        FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
             tally: address(self.tally.address()),
@@ -297,7 +288,53 @@ impl Renderer {
             width: self.settings.width,
             height: self.settings.height,
             seed: self.settings.seed,
-        };
+            patches: self.radiosity.as_ref().map_or([0; 2], |radiosity| address(radiosity.address())),
+            round: self.radiosity.as_ref().map_or(0, Radiosity::shown_round),
+        }
+    }
+
+    /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
+    /// time is the device's.
+    fn dispatch(&mut self, frame: Frame, ends_stages: bool) -> Result<Duration> {
+        let Frame { first_slot, slots, first_sample, samples, .. } = frame;
+        let work =
+            format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
+        // A frame of nothing makes CPU devices compile.
+        let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
+        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
+        let mut runs = Vec::new();
+        for (index, ((Pass { over, .. }, _), stage)) in self.passes.iter().zip(&self.stages).enumerate() {
+            if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
+                continue;
+            }
+            let (first, count) = match over {
+                Over::Pixels => (first_slot, slots),
+                Over::Image => whole(all),
+                Over::LightVertices => whole(size.places()),
+                Over::Cells => whole(size.cells),
+                Over::Patches | Over::PatchVertices if samples > 0 => continue, // they have frames of their own
+                Over::Patches | Over::PatchVertices => (0, 0),
+            };
+            runs.push(Run { pass: index, first, count });
+        }
+        self.submit(&work, self.constants(frame), &runs)
+    }
+
+    /// Makes candidates for chains to begin with.
+    fn make_candidates(&mut self, first: u32, count: u32) -> Result<()> {
+        let started = Instant::now();
+        let runs = [Run { pass: 0, first, count }];
+        let work = format!("{count} candidates from {first}");
+        let device = self.submit(&work, self.constants(Frame::NOTHING), &runs)?;
+        let took = started.elapsed();
+        self.chains.as_mut().map_or(Ok(()), |chains| chains.made(count, took))?;
+        self.seconds.render += started.elapsed().as_secs_f64();
+        self.seconds.device += device.as_secs_f64();
+        Ok(())
+    }
+
+    /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted.
+    fn submit(&mut self, work: &str, constants: FrameConstants, runs: &[Run]) -> Result<Duration> {
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
         let took = self.gpu.run(&name, work, |commands| {
@@ -318,6 +355,12 @@ impl Renderer {
                 commands.barrier();
             }
         })?;
+        self.take_in_tally()?;
+        Ok(took.device)
+    }
+
+    /// Takes in what a submission has counted.
+    fn take_in_tally(&mut self) -> Result<()> {
         let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;
         let (bad, rays) = counted.split_at((1 + 2 * BAD_SAMPLES) as usize);
         self.rays += rays.iter().map(|count| u64::from(*count)).sum::<u64>();
@@ -333,7 +376,7 @@ impl Renderer {
             .collect();
         located.sort_unstable();
         self.bad_samples.extend(located.into_iter().take(room));
-        Ok(took.device)
+        Ok(())
     }
 }
 

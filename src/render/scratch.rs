@@ -44,6 +44,8 @@ pub(super) struct ScratchSize {
     pub place_bytes: u64,
     /// Light paths in each sample of the image.
     pub light_paths: u32,
+    /// Each sample shows patches in a state of their own.
+    pub has_patches: bool,
 }
 
 impl ScratchSize {
@@ -58,7 +60,7 @@ impl ScratchSize {
             (true, false) => (SPLAT_BYTES / plane).clamp(1, MOST_PLANES),
         };
         let (vertex, vertices) = match row.kept {
-            Kept::Nothing | Kept::Chains => (0, 0),
+            Kept::Nothing | Kept::Chains | Kept::Patches => (0, 0),
             Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
             Kept::Grid(bytes, most) => (bytes, most.min(gathered(settings.max_depth))),
         };
@@ -66,7 +68,7 @@ impl ScratchSize {
         let all = slots(settings.width, settings.height) * planes.max(1);
         let least = u64::from(WORKGROUP) * planes.max(1);
         let paths = match row.kept {
-            Kept::Nothing | Kept::Chains => 0,
+            Kept::Nothing | Kept::Chains | Kept::Patches => 0,
             Kept::Paths => (LIGHT_PATH_BYTES / path).max(least).min(all),
             Kept::Grid(..) => (LIGHT_PATH_BYTES / path).min(pixels),
         };
@@ -83,8 +85,9 @@ impl ScratchSize {
             light_paths: match row.kept {
                 Kept::Grid(..) => paths as u32,
                 Kept::Chains => places(settings) as u32,
-                Kept::Nothing | Kept::Paths => pixels as u32,
+                Kept::Nothing | Kept::Paths | Kept::Patches => pixels as u32,
             },
+            has_patches: row.kept == Kept::Patches,
         }
     }
 
@@ -98,7 +101,7 @@ impl ScratchSize {
         let has_grid = self.cells > 0;
         Room {
             slots: max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
-            samples: match (has_grid, self.planes) {
+            samples: match (has_grid || self.has_patches, self.planes) {
                 (true, _) => 1,
                 (false, 0) => u32::MAX,
                 (false, planes) => planes as u32,

@@ -1,14 +1,18 @@
 //! What to render with.
 
+use super::radiosity::shoots;
 use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
-use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Values};
+use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Solves, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
 use crate::strategies::{LONGEST, Strategy};
+
+/// Materials that a warning names; of more it says how many there are.
+const NAMED: usize = 8;
 
 /// A row of the table with values for its parameters.
 #[derive(Clone, Debug)]
@@ -91,6 +95,14 @@ impl Technique {
         });
         let all: Vec<&str> = self.row.misses.iter().copied().chain(by_value).filter(has).map(Missing::what).collect();
         (!all.is_empty()).then(|| all.join(", and "))
+    }
+
+    /// The materials of this scene that the technique takes for diffuse ones, though they are not; nothing where there are none.
+    pub fn simplifies(&self, scene: &Scene) -> Option<String> {
+        let others = if self.row.solves == Solves::Diffuse { scene.not_diffuse() } else { Vec::new() };
+        let (named, more) = others.split_at(others.len().min(NAMED));
+        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+        (!others.is_empty()).then(|| format!("{}{more}", named.join(", ")))
     }
 
     /// The name with every parameter that is not at its default.
@@ -217,6 +229,12 @@ impl Settings {
                 row.name,
                 gpu.survey().name,
                 one_of(others)
+            ));
+        }
+        if shoots(self) && !gpu.limits().int64_atomics {
+            return bad(format!(
+                "radiosity:solver=shoot needs the feature shaderBufferInt64Atomics, which {} lacks; solver=gather does without",
+                gpu.survey().name
             ));
         }
         if self.strategies > 0 {

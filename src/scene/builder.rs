@@ -76,6 +76,8 @@ pub struct SceneBuilder {
     images: Vec<TextureImage>,
     textures: Vec<TextureDescription>,
     materials: Vec<MaterialDescription>,
+    /// Their names in the file, where they have any.
+    names: HashMap<usize, String>,
     blends: Vec<Blend>,
     surfaces: Vec<SurfaceDescription>,
     groups: Vec<PendingGroup>,
@@ -108,6 +110,7 @@ impl SceneBuilder {
             images: Vec::new(),
             textures: Vec::new(),
             materials: Vec::new(),
+            names: HashMap::new(),
             blends: Vec::new(),
             surfaces: Vec::new(),
             groups: vec![PendingGroup { name: String::from("world"), shapes: Vec::new() }],
@@ -160,6 +163,11 @@ impl SceneBuilder {
     pub fn material(&mut self, material: impl Into<MaterialDescription>) -> usize {
         self.materials.push(material.into());
         self.materials.len() - 1
+    }
+
+    /// Says what a material is called, unless that is known.
+    pub fn name_material(&mut self, material: usize, name: &str) {
+        self.names.entry(material).or_insert_with(|| name.to_owned());
     }
 
     /// A material that was added.
@@ -395,6 +403,7 @@ impl SceneBuilder {
             tangents: flat.tangents,
             colours: flat.colours,
             surfaces: flat.surfaces,
+            material_names: (0..filed.materials.len()).map(|index| self.names.remove(&index)).collect(),
             materials: filed.materials,
             material_textures: filed.textures,
             blends: self.blends,

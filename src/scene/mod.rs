@@ -7,6 +7,7 @@ mod alias;
 mod builder;
 pub mod camera;
 pub mod compensation;
+mod diffuse;
 mod environment;
 pub mod filter;
 mod fingerprint;
@@ -27,6 +28,7 @@ pub mod mip_maps;
 pub mod mitsuba;
 pub mod needs;
 pub mod obj;
+pub mod patches;
 mod placement;
 pub mod plastic;
 pub mod ply;
@@ -82,6 +84,8 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// The parameters of the BSDFs.
     pub materials: Vec<Material>,
+    /// What they are called in the file, where they have names.
+    pub material_names: Vec<Option<String>>,
     /// The textures of the materials.
     pub material_textures: Vec<MaterialTextures>,
     /// What blends are made of.

@@ -24,6 +24,11 @@ const MATERIALS: [&str; MATERIAL_KINDS as usize] = [
     "blends",
 ];
 
+/// What a kind of material is called.
+pub(super) fn material_kind(kind: u32) -> &'static str {
+    MATERIALS[kind as usize]
+}
+
 /// The kinds of light by `LIGHT_*`.
 const LIGHTS: [&str; LIGHT_KINDS as usize] =
     ["triangle lights", "sphere lights", "point lights", "spot lights", "directional lights", "projectors"];

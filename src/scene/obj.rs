@@ -67,6 +67,7 @@ pub fn load(path: &Path) -> Result<SceneBuilder> {
             builder.warnings.push(format!("material '{}': its textures are not read", described.name));
         }
         let id = builder.material(to_material(described));
+        builder.name_material(id, &described.name);
         let emission = described.emissive.unwrap_or_default();
         if emission.iter().any(|channel| !(0.0..1e30).contains(channel)) {
             return Err(Error::scene(

@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use lumbre::error::Result;
 use lumbre::film::{BadSample, Film, Image};
 use lumbre::gpu::Gpu;
 use lumbre::output::{NamedLayer, Picture};
-use lumbre::render::Renderer;
+use lumbre::render::{PatchReport, Renderer};
 use lumbre::scene::{Needs, Scene};
 
 use super::super::print;
@@ -40,6 +41,8 @@ pub(super) struct Report {
     nonfinite_at: Vec<BadSample>,
     mean: [f64; 3],
     estimated_relmse: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    patches: Option<PatchReport>,
     peak_device_bytes: u64,
 }
 
@@ -54,12 +57,19 @@ struct Seconds {
 }
 
 impl Report {
-    pub fn new(scene: &Scene, gpu: &Gpu, renderer: &Renderer, film: &Film, load: f64, started: Instant) -> Self {
+    pub fn new(
+        scene: &Scene,
+        gpu: &Gpu,
+        renderer: &Renderer,
+        film: &Film,
+        load: f64,
+        started: Instant,
+    ) -> Result<Self> {
         let settings = renderer.settings();
         let took = renderer.seconds();
         let samples: u64 = film.counts.iter().sum();
         let render = took.render.max(1e-9);
-        Self {
+        Ok(Self {
             schema: "lumbre-render-1",
             scene: scene.source.display().to_string(),
             integrator: settings.technique.describe(),
@@ -91,8 +101,9 @@ impl Report {
             nonfinite_at: film.bad_samples.clone(),
             mean: film.average(),
             estimated_relmse: film.estimated_relmse(),
+            patches: renderer.patches()?,
             peak_device_bytes: gpu.peak_bytes(),
-        }
+        })
     }
 
     /// Every setting and figure, for the EXR header.
@@ -154,6 +165,9 @@ pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], i
     let [r, g, b] = report.mean;
     let error = film.estimated_relmse().map_or(String::from("unknown from one sample"), |e| format!("{:.3}", e.sqrt()));
     print(&format!("mean       {r:.6} {g:.6} {b:.6}, relative standard error of a pixel {error}"));
+    if let Some(patches) = &report.patches {
+        print_patches(patches);
+    }
     if report.nonfinite > 0 {
         let first = report
             .nonfinite_at
@@ -166,4 +180,16 @@ pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], i
     }
     let written: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
     print(&format!("wrote      {}", written.join(", ")));
+}
+
+fn print_patches(found: &PatchReport) {
+    let PatchReport { patches, vertices, rays, rounds, residual, row_sums: [least, mean, greatest], blocked, .. } =
+        found;
+    print(&format!("patches    {patches} with {vertices} vertices, {rounds} rounds of {rays} rays"));
+    let reciprocity = found.reciprocity.map_or(String::new(), |off| format!(", reciprocity off by {off:.1e}"));
+    print(&format!("           form factors sum to {least:.4} to {greatest:.4}, mean {mean:.6}{reciprocity}"));
+    print(&format!(
+        "           light still on its way {residual:.1e}, stopped by what has no patch {:.2} %",
+        100.0 * blocked
+    ));
 }

@@ -273,6 +273,7 @@ impl Reader<'_, '_> {
         description.textures = textures;
         let has_normals = textures.normal != NONE;
         let id = self.builder.material(description);
+        self.builder.name_material(id, &self.name);
 
         let strength = extensions.emissive_strength.as_ref().map_or(1.0, |emissive| emissive.emissive_strength.0);
         let strength = document.amount(&name, "emissiveStrength", strength)?;

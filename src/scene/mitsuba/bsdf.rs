@@ -82,6 +82,9 @@ impl Loader {
             }
         };
         object.finish()?;
+        if let Some(id) = &object.id {
+            [sides.front, sides.back].into_iter().flatten().for_each(|side| self.builder.name_material(side, id));
+        }
         self.materials.insert(Rc::as_ptr(object), sides);
         Ok(sides)
     }

@@ -1,0 +1,405 @@
+//! The patches of `radiosity` on the device, and the rounds in which they pass light on to each other.
+//!
+//! Before the first sample of the image, rounds prepare: each takes the light of the last one a segment further, until there is next to
+//! none left or paths have to end. Then one round goes before each sample, in frames of its own, so that no submission is long.
+
+use std::time::Duration;
+
+use super::frames::FRAME;
+use super::patch_report::PatchReport;
+use super::settings::Settings;
+use super::upload::Uploaded;
+use crate::error::Result;
+use crate::gpu::{Buffer, Gpu};
+use crate::layout::{LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, WORKGROUP, address};
+use crate::scene::Scene;
+use crate::scene::light::triangle_area;
+use crate::scene::patches::{PatchMesh, Quartered};
+
+/// The most rays of a patch in a round, where their number follows that of pixels.
+const MOST_RAYS: u64 = 64;
+/// Rounds that prepare have so many times fewer rays: what they leave is soon passed on.
+const FEWER: u32 = 8;
+/// Rays by which a patch learns its albedo.
+const ALBEDO_RAYS: u32 = 256;
+/// Share of the light, of each colour, that may be left on its way when the image begins.
+const RESIDUAL: f64 = 1e-6;
+/// Rounds after which that is given up: where nothing is absorbed, light goes on for ever.
+const MOST_ROUNDS: u32 = 4096;
+/// How often patches are quartered where that is asked for.
+pub(super) const LEVELS: u32 = 3;
+/// Rays of a patch by which it is decided.
+const TRIAL_RAYS: u32 = 256;
+/// Share of the light that may be left on its way then.
+const TRIAL_RESIDUAL: f64 = 0.02;
+/// Share of all area from which on emission is left to rays alone: they find it oftener than one sample of the lights does.
+const FOUND_FROM: f64 = 0.25;
+
+/// How many layers of irradiance there are, by path length, and whether the last one takes all longer paths.
+pub(super) fn layers(settings: &Settings) -> (u32, bool) {
+    match settings.max_depth {
+        Some(depth) => (depth.saturating_sub(1).max(1), false),
+        None => (settings.lengths.saturating_sub(1).max(1), true),
+    }
+}
+
+/// Patches of the size that these settings ask for; larger where they need not be quartered.
+pub(super) fn mesh(scene: &Scene, settings: &Settings, quartered: &Quartered) -> Result<PatchMesh> {
+    let levels = if threshold(settings) > 0.0 { LEVELS } else { 0 };
+    PatchMesh::new(scene, number(settings, "patches").unwrap_or(1.0), levels, quartered)
+}
+
+/// Differences above which patches are quartered; 0 where all are.
+pub(super) fn threshold(settings: &Settings) -> f64 {
+    number(settings, "adaptive").unwrap_or(0.0)
+}
+
+fn number(settings: &Settings, name: &str) -> Option<f64> {
+    settings.technique.value(name).and_then(|text| text.parse().ok())
+}
+
+/// What the patches take on the device, by kind.
+pub(super) fn sizes(mesh: &PatchMesh, scene: &Scene, settings: &Settings) -> [(&'static str, u64); 4] {
+    let (patches, vertices) = (mesh.patches.len() as u64, mesh.vertices() as u64);
+    let layers = u64::from(layers(settings).0);
+    let bytes = |list: &[u32]| size_of_val(list) as u64;
+    let bases = scene.instances.len() as u64 * 4; // `instance_order` may be longer: that is counted with what it places
+    let lists = [
+        size_of_val(mesh.faces.as_slice()) as u64,
+        size_of_val(mesh.patches.as_slice()) as u64,
+        bytes(&mesh.face_of),
+        bases,
+        bytes(&mesh.cells),
+        size_of_val(mesh.corners.as_slice()) as u64,
+        bytes(&mesh.term_first),
+        size_of_val(mesh.terms.as_slice()) as u64,
+        size_of::<PatchTable>() as u64,
+    ];
+    [
+        ("patches", lists.into_iter().map(|bytes| bytes.max(4)).sum()),
+        ("light of patches", (patches * 12 * (1 + 2 * layers + 2)).max(12) + (vertices * 12 * layers).max(4)),
+        ("arriving at patches", arriving_bytes(settings, patches).max(4)),
+        ("counts of patches", (patches * 4 * u64::from(mesh.columns())).max(4)),
+    ]
+}
+
+/// Bytes of what rays bring: three sums, and three integers for each patch and layer.
+fn arriving_bytes(settings: &Settings, patches: u64) -> u64 {
+    if shoots(settings) { 24 + 24 * patches * u64::from(layers(settings).0) } else { 0 }
+}
+
+/// What the next frame of the patches does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Task {
+    Albedo,
+    Gather,
+    Shoot,
+    Collect,
+    Vertices,
+}
+
+impl Task {
+    /// The pass that does it.
+    pub fn pass(self) -> &'static str {
+        match self {
+            Self::Albedo => "albedo",
+            Self::Gather => "gather",
+            Self::Shoot => "shoot",
+            Self::Collect => "collect",
+            Self::Vertices => "vertices",
+        }
+    }
+}
+
+/// Whether the settings ask for patches that shoot.
+pub(super) fn shoots(settings: &Settings) -> bool {
+    settings.technique.value("solver") == Some("shoot")
+}
+
+/// A frame of the patches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PatchFrame {
+    pub task: Task,
+    pub round: u32,
+    pub first: u32,
+    pub count: u32,
+    pub rays: u32,
+}
+
+/// Patches on the device.
+pub(super) struct Radiosity {
+    mesh: PatchMesh,
+    surfaces: usize,
+    table: Buffer,
+    newest: Buffer,
+    received: Buffer,
+    albedo: Buffer,
+    met: Buffer,
+    arriving: Buffer,
+    /// What else the table points to.
+    _kept: Vec<Buffer>,
+    layers: u32,
+    open_ended: bool,
+    shoots: bool,
+    rays: u32,
+    /// What comes next, from which patch on.
+    task: Task,
+    cursor: u32,
+    /// Rounds that are done, and those of them that prepared; nothing while that goes on.
+    rounds: u32,
+    prepared: Option<u32>,
+    albedos: Vec<[f32; 3]>,
+    /// Power that patches send out: after the first round, and after the last one that prepared.
+    first_power: [f64; 3],
+    power: [f64; 3],
+    /// The residual at which preparing ends.
+    may_be_left: f64,
+    /// Rays that fit into a frame, by the last one's speed.
+    capacity: u64,
+}
+
+impl Radiosity {
+    /// Divides the scene that was uploaded.
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        uploaded: &Uploaded,
+        settings: &Settings,
+        quartered: &Quartered,
+    ) -> Result<Self> {
+        let mut mesh = mesh(scene, settings, quartered)?;
+        mesh.reorder(scene, uploaded.order(), uploaded.instance_order());
+        let bases = mesh.bases(scene, uploaded.instance_order());
+        let (layers, open_ended) = layers(settings);
+        let (patches, vertices) = (mesh.patches.len() as u64, mesh.vertices() as u64);
+        let mut kept = Vec::new();
+        let mut keep = |bytes: &[u8]| -> Result<[u32; 2]> {
+            let buffer = Buffer::with_data(gpu, "patches", bytes)?;
+            let place = address(buffer.address());
+            kept.push(buffer);
+            Ok(place)
+        };
+        let light = |count: u64| Buffer::zeroed(gpu, "light of patches", count * 12);
+        let (albedo, received) = (light(patches)?, light(2 * patches * u64::from(layers))?);
+        let (newest, at_vertices) = (light(2 * patches)?, light(vertices * u64::from(layers))?);
+        let columns = mesh.columns();
+        let met = Buffer::zeroed(gpu, "counts of patches", patches * 4 * u64::from(columns))?;
+        let arriving = Buffer::zeroed(gpu, "arriving at patches", arriving_bytes(settings, patches))?;
+        let table = PatchTable {
+            faces: keep(bytemuck::cast_slice(&mesh.faces))?,
+            patches: keep(bytemuck::cast_slice(&mesh.patches))?,
+            face_of: keep(bytemuck::cast_slice(&mesh.face_of))?,
+            face_base: keep(bytemuck::cast_slice(&bases))?,
+            cells: keep(bytemuck::cast_slice(&mesh.cells))?,
+            corners: keep(bytemuck::cast_slice(&mesh.corners))?,
+            term_first: keep(bytemuck::cast_slice(&mesh.term_first))?,
+            terms: keep(bytemuck::cast_slice(&mesh.terms))?,
+            albedo: address(albedo.address()),
+            received: address(received.address()),
+            newest: address(newest.address()),
+            vertices: address(at_vertices.address()),
+            arriving: address(arriving.address()),
+            met: address(met.address()),
+            patch_count: patches as u32,
+            vertex_count: vertices as u32,
+            layers,
+            open_ended: u32::from(open_ended),
+            found: u32::from(is_found(scene, &mesh)),
+            columns,
+        };
+        kept.push(at_vertices);
+        Ok(Self {
+            table: Buffer::with_data(gpu, "patches", &[table])?,
+            rays: rays(settings, patches),
+            surfaces: scene.surfaces.len(),
+            mesh,
+            newest,
+            received,
+            albedo,
+            met,
+            arriving,
+            _kept: kept,
+            layers,
+            open_ended,
+            shoots: shoots(settings),
+            task: Task::Albedo,
+            cursor: 0,
+            rounds: 0,
+            prepared: (settings.max_depth.is_some_and(|depth| depth < 2) || patches == 0).then_some(0),
+            albedos: Vec::new(),
+            first_power: [0.0; 3],
+            power: [0.0; 3],
+            may_be_left: RESIDUAL,
+            capacity: 1 << 14,
+        })
+    }
+
+    /// The same, to find out which patches are to be quartered: after the first sample they are asked.
+    pub fn on_trial(mut self) -> Self {
+        self.rays = TRIAL_RAYS;
+        self.may_be_left = TRIAL_RESIDUAL;
+        self
+    }
+
+    /// Patches to be quartered besides those that were; nothing where there are none.
+    pub fn uneven(&self, share: f64, quartered: &Quartered) -> Result<Option<Quartered>> {
+        let (count, layers) = (self.mesh.patches.len(), self.layers as usize);
+        let all: Vec<[f32; 3]> = self.received.read(2 * count * layers)?;
+        let shown = &all[((self.rounds & 1) as usize) * count * layers..][..count * layers];
+        let strength = |rgb: [f32; 3]| rgb.iter().sum::<f32>();
+        let light: Vec<f32> =
+            (0..count).map(|patch| (0..layers).map(|layer| strength(shown[layer * count + patch])).sum()).collect();
+        Ok(self.mesh.uneven(&light, share, quartered))
+    }
+
+    /// Address of the table.
+    pub fn address(&self) -> u64 {
+        self.table.address()
+    }
+
+    /// The round that the image shows.
+    pub fn shown_round(&self) -> u32 {
+        self.rounds.saturating_sub(1)
+    }
+
+    /// Forgets all light.
+    pub fn restart(&mut self) -> Result<()> {
+        self.received.clear()?;
+        self.met.clear()?;
+        self.arriving.clear()?;
+        (self.cursor, self.rounds) = (0, 0);
+        if self.prepared != Some(0) {
+            self.prepared = None;
+        }
+        self.task = if self.albedos.is_empty() { Task::Albedo } else { self.first_task() };
+        Ok(())
+    }
+
+    /// What a round begins with.
+    fn first_task(&self) -> Task {
+        if self.shoots { Task::Shoot } else { Task::Gather }
+    }
+
+    /// What is to be done before the sample of that index; nothing where the patches are ready for it.
+    pub fn next(&self, sample: u32, room: u32, bound: u64) -> Option<PatchFrame> {
+        let is_ready = self.prepared.is_some() && self.rounds > sample;
+        if self.prepared == Some(0) || is_ready {
+            return None;
+        }
+        let preparing = self.prepared.is_none();
+        let rays = match self.task {
+            Task::Albedo => ALBEDO_RAYS,
+            Task::Gather | Task::Shoot if preparing => (self.rays / FEWER).max(1),
+            Task::Gather | Task::Shoot => self.rays,
+            Task::Collect | Task::Vertices => 1,
+        };
+        let fit = (self.capacity.min(bound) / u64::from(rays)).next_multiple_of(u64::from(WORKGROUP));
+        let all = self.extent();
+        let count = u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, room).min(all - self.cursor);
+        let round = self.rounds | if preparing { PREPARING_BIT } else { 0 };
+        Some(PatchFrame { task: self.task, round, first: self.cursor, count, rays })
+    }
+
+    /// What the task at hand runs over.
+    fn extent(&self) -> u32 {
+        let patches = self.mesh.patches.len() as u32;
+        match self.task {
+            Task::Albedo | Task::Gather | Task::Collect => patches,
+            Task::Shoot => 2 * patches, // as many again for the lights
+            Task::Vertices => self.mesh.vertices() as u32,
+        }
+    }
+
+    /// Takes note of a frame that has been run.
+    pub fn done(&mut self, frame: PatchFrame, took: Duration) -> Result<()> {
+        let work = u64::from(frame.count) * u64::from(frame.rays);
+        let fit = (work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6)) as u64;
+        self.capacity = fit.clamp(self.capacity / 4, self.capacity.saturating_mul(4)).max(u64::from(WORKGROUP));
+        self.cursor += frame.count;
+        if self.cursor < self.extent() {
+            return Ok(());
+        }
+        self.cursor = 0;
+        match (self.task, self.prepared) {
+            (Task::Albedo, _) => {
+                self.albedos = self.albedo.read(self.mesh.patches.len())?;
+                self.task = self.first_task();
+            }
+            (Task::Shoot, _) => self.task = Task::Collect,
+            (Task::Gather | Task::Collect, None) => self.end_preparing_round()?,
+            // The round counts once the vertices have it.
+            (Task::Gather | Task::Collect, Some(_)) => self.task = Task::Vertices,
+            (Task::Vertices, _) => {
+                self.rounds += 1;
+                self.task = self.first_task();
+            }
+        }
+        Ok(())
+    }
+
+    /// Measures what the round has brought: the light that goes on from there.
+    fn end_preparing_round(&mut self) -> Result<()> {
+        let count = self.mesh.patches.len();
+        let both: Vec<[f32; 3]> = self.newest.read(2 * count)?;
+        let newest = if self.rounds & 1 == 0 { &both[count..] } else { &both[..count] };
+        let mut power = [0.0; 3];
+        for ((patch, albedo), light) in self.mesh.patches.iter().zip(&self.albedos).zip(newest) {
+            for channel in 0..3 {
+                power[channel] += f64::from(patch.area) * f64::from(albedo[channel]) * f64::from(light[channel]);
+            }
+        }
+        if self.rounds == 0 {
+            self.first_power = power;
+        }
+        self.power = power;
+        self.rounds += 1;
+        self.task = self.first_task();
+        let ends = !self.open_ended && self.rounds >= self.layers;
+        if ends || self.residual() <= self.may_be_left || self.rounds >= MOST_ROUNDS {
+            self.prepared = Some(self.rounds);
+            self.rounds = 0;
+        }
+        Ok(())
+    }
+
+    /// The largest share of a colour's light that was still on its way when the image began; 0 where paths end before.
+    fn residual(&self) -> f64 {
+        let shares = self.power.iter().zip(self.first_power).filter(|(_, first)| *first > 0.0);
+        shares.map(|(power, first)| power / first).fold(0.0, f64::max)
+    }
+
+    /// What they came to.
+    pub fn report(&self) -> Result<PatchReport> {
+        let columns = self.mesh.columns() as usize;
+        let counts: Vec<u32> = self.met.read(self.mesh.patches.len() * columns)?;
+        let mut report = PatchReport::new(&self.mesh, &counts, self.surfaces);
+        report.rays = self.rays;
+        report.rounds = self.prepared.unwrap_or(self.rounds) + if self.prepared.is_some() { self.rounds } else { 0 };
+        report.residual = if self.open_ended { self.residual() } else { 0.0 };
+        Ok(report)
+    }
+}
+
+/// Rays of a patch in a round.
+fn rays(settings: &Settings, patches: u64) -> u32 {
+    match number(settings, "rays") {
+        Some(rays) if rays >= 1.0 => rays as u32,
+        _ => {
+            let pixels = u64::from(settings.width) * u64::from(settings.height);
+            (pixels / patches.max(1)).clamp(1, MOST_RAYS).next_power_of_two() as u32
+        }
+    }
+}
+
+/// Whether the patches' rays find all emission by themselves: there is much of it, and nothing else shines.
+fn is_found(scene: &Scene, mesh: &PatchMesh) -> bool {
+    let area = |light: &crate::layout::Light| match light.kind {
+        LIGHT_TRIANGLE => Some(triangle_area(light)),
+        LIGHT_SPHERE => Some(4.0 * std::f64::consts::PI * f64::from(light.v1[0]).powi(2)),
+        _ => None,
+    };
+    let Some(emitting) = scene.lights.iter().map(area).sum::<Option<f64>>() else { return false };
+    let front = mesh.patches.iter().filter(|patch| patch.back == 0 && patch.face != NONE);
+    let all: f64 = front.map(|patch| f64::from(patch.area)).sum();
+    scene.background.is_none() && emitting >= FOUND_FROM * all
+}
