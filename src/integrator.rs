@@ -147,6 +147,10 @@ pub struct Integrator {
     pub kept: Kept,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
+    /// The light that it is a good choice for; README.md says by which measurement.
+    pub good_at: &'static str,
+    /// The light that another technique is better for, and what it costs.
+    pub bad_at: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
 }
@@ -202,6 +206,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        good_at: "soft shadows, and to see each way of sampling them by itself",
+        bad_at: "rooms: nothing in it has bounced twice",
         parameters: &[Parameter {
             name: "sampling",
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
@@ -220,6 +226,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        good_at: "mirrors and clear glass under direct light: one sample follows all branches",
+        bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
         parameters: &[
             Parameter {
                 name: "branches",
@@ -253,6 +261,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaLights],
+        good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
+        bad_at: "small lamps, which chance seldom finds",
         parameters: &[
             Parameter {
                 name: "form",
@@ -280,6 +290,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        good_at: "most scenes: wherever the camera's paths can aim at the light",
+        bad_at: "caustics, and lamps hidden in their fittings",
         parameters: &[],
     },
     Integrator {
@@ -293,6 +305,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        good_at: "reading the rendering equation in the code",
+        bad_at: "speed: what its calls wait for is kept in memory",
         parameters: &[Parameter {
             name: "returns",
             about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \
@@ -312,6 +326,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Nothing,
         misses: &[Missing::Unshowable],
+        good_at: "caustics on matte surfaces, which the camera sees directly",
+        bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
         parameters: &[],
     },
     Integrator {
@@ -325,6 +341,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Paths,
         misses: &[Missing::HiddenDeltaCaustics],
+        good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
+        bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
         parameters: &[WEIGHTS],
     },
     Integrator {
@@ -346,6 +364,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
         misses: &[],
+        good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
+        bad_at: "light that is easy to aim at: its samples take the longest",
         parameters: &[
             WEIGHTS,
             Parameter {
@@ -377,6 +397,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
         misses: &[],
+        good_at: "caustics, also as mirrors and glass show them",
+        bad_at: "glossy surfaces, and light that is easy to aim at",
         parameters: &[
             Parameter {
                 name: "direct",
