@@ -63,7 +63,7 @@ impl Shot {
     }
 
     /// The budget follows from what other pictures took.
-    pub fn as_measured(mut self) -> Self {
+    pub fn that_was_measured(mut self) -> Self {
         self.measured = true;
         self
     }
@@ -86,7 +86,7 @@ impl Shot {
     }
 
     /// With random numbers that no other picture has: errors of the two are independent.
-    pub fn as_reference(self) -> Self {
+    pub fn with_own_seed(self) -> Self {
         self.with("--seed").with(REFERENCE_SEED).with_errors()
     }
 
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_shot_as_a_command() {
-        let shot = Shot::new("cornell", "path").samples(512).with("--max-depth 4").as_reference();
+        let shot = Shot::new("cornell", "path").samples(512).with("--max-depth 4").with_own_seed();
         let line = |scale| typed(&shot.arguments("my scenes", scale));
         let full = Scale { side: 1.0, work: 1.0 };
         assert_eq!(

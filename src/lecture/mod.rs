@@ -84,6 +84,7 @@ pub fn write(chapters: &[&Chapter], lab: &mut Lab, circumstances: &Circumstances
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 

@@ -34,7 +34,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
              través de espejos y vidrios.",
         ),
     );
-    let reference = lab.render("branching-reference", SPHERES.shot("whitted").samples(4096).as_reference())?;
+    let reference = lab.render("branching-reference", SPHERES.shot("whitted").samples(4096).with_own_seed())?;
     let both = lab.render("branching-both", SPHERES.shot("whitted").samples(128))?;
     let one = with_rays_of(lab, "branching-one", "whitted:branches=one", &both)?;
     let path = with_rays_of(lab, "branching-path", "path", &both)?;
@@ -64,24 +64,20 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.gallery(3, cells, exposure_note(SPHERES.exposure))?;
     let [both_glass, one_glass] = [figure(glass[0]), figure(glass[1])];
     sheet.say(text(
-        format!(
-            "The number of samples of the second and the third picture was chosen so that all three trace the same number of rays: the first one's \
-             rays over the rays of a sample, which a rendering of {PILOT} samples told."
-        ),
-        format!(
-            "El número de muestras de la segunda y la tercera imagen se eligió para que las tres tracen el mismo número de rayos: los de la \
-             primera entre los rayos de una muestra, que se midieron con {PILOT} muestras."
-        ),
+        "The number of samples of the second and the third picture was chosen so that all three trace the same number of rays: the first one's \
+         rays over the rays of a sample, which a short rendering told.",
+        "El número de muestras de la segunda y la tercera imagen se eligió para que las tres tracen el mismo número de rayos: los de la \
+         primera entre los rayos de una muestra, que se midieron con un cálculo breve.",
     ));
     sheet.see(text(
         format!(
-            "On the glass sphere the tree has a relMSE of {both_glass}, one branch by chance {one_glass} with as many rays; elsewhere the rays that the \
-             tree does not need there buy the path more samples. Neither shows the caustic, light on the ceiling, or colour bleeding: \
+            "On the glass sphere the tree has a relMSE of {both_glass}, one branch by chance {one_glass} with as many rays; what \
+             the single branch saves in the glass buys it more samples everywhere else. Neither shows the caustic, light on the ceiling, or colour bleeding: \
              below the sphere lies a plain shadow. The path that goes on after every surface shows all of it for the same rays."
         ),
         format!(
-            "En la esfera de vidrio, el árbol tiene un relMSE de {both_glass}; una rama al azar, de {one_glass} con los mismos rayos; en el resto, los \
-             rayos que el camino ahorra ahí le dan más muestras. Ninguno muestra la cáustica, la luz del techo ni el color que las paredes \
+            "En la esfera de vidrio, el árbol tiene un relMSE de {both_glass}; una rama al azar, de {one_glass} con los mismos rayos; lo que la \
+             rama única ahorra en el vidrio le da más muestras en todo lo demás. Ninguno muestra la cáustica, la luz del techo ni el color que las paredes \
              se prestan: bajo la esfera queda una simple sombra. El camino que continúa tras cada superficie lo muestra todo con los mismos rayos."
         ),
     ));
@@ -93,5 +89,5 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
 fn with_rays_of(lab: &mut Lab, name: &str, technique: &str, like: &Run) -> Result<Rc<Run>> {
     let pilot = lab.render(&format!("{name}-pilot"), SPHERES.shot(technique).samples(PILOT))?;
     let spp = (like.rays() / (pilot.rays() / pilot.spp())).round().max(1.0);
-    lab.render(name, SPHERES.shot(technique).samples(spp as u32).as_measured())
+    lab.render(name, SPHERES.shot(technique).samples(spp as u32).that_was_measured())
 }

@@ -36,22 +36,16 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             ),
         ),
     );
-    let names: Vec<&str> = contest::techniques().collect();
-    let mut rows = Vec::new();
+    let mut rooms = Vec::new();
     for room in ROOMS {
-        let entries = contest::all(lab, room)?;
-        let efficiency = |entry: &contest::Entry| 1.0 / (entry.found.relmse() * entry.run.seconds());
-        let base = entries.iter().find(|entry| entry.technique == "path").map_or(f64::NAN, efficiency);
-        let best = entries.iter().map(efficiency).fold(0.0, f64::max);
-        let cells = entries.iter().map(|entry| {
-            let ratio = figure(efficiency(entry) / base);
-            same(if efficiency(entry) == best { format!("<strong>{ratio}</strong>") } else { ratio })
-        });
-        rows.push(std::iter::once(room.title()).chain(cells).collect());
+        rooms.push((room.title(), contest::all(lab, room)?));
     }
-    let mut heads = vec![text("room", "habitación")];
-    heads.extend(names.iter().map(|name| same(format!("<code>{name}</code>"))));
-    sheet.table(&heads, &rows);
+    ratios(sheet, &rooms, |entry| entry.found.relmse());
+    sheet.say(text(
+        "The same by the relMSE of all pixels but the worst hundredth, which rare bright samples decide:",
+        "Lo mismo según el relMSE de todos los píxeles salvo el peor centésimo, que deciden unas pocas muestras muy brillantes:",
+    ));
+    ratios(sheet, &rooms, |entry| entry.typical);
     sheet.see(text(
         "Read a row for the light, a column for the technique. Where the camera's paths can aim at the lamp, the cheapest sample wins. Where they cannot, but \
          paths from the lamp reach what the camera sees, these win. Where neither end can be joined to the other by a straight line, merging is what is left.",
@@ -72,6 +66,24 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.table(&heads, &rows);
     sheet.raw("</div>\n");
     Ok(())
+}
+
+/// Efficiencies over those of path tracing, by some measure of error.
+fn ratios(sheet: &mut Sheet, rooms: &[(Text, Vec<contest::Entry>)], error: impl Fn(&contest::Entry) -> f64) {
+    let efficiency = |entry: &contest::Entry| 1.0 / (error(entry) * entry.run.seconds());
+    let rows = rooms.iter().map(|(title, entries)| {
+        let base = entries.iter().find(|entry| entry.technique == "path").map_or(f64::NAN, efficiency);
+        let best = entries.iter().map(efficiency).fold(0.0, f64::max);
+        let cells = entries.iter().map(|entry| {
+            let ratio = figure(efficiency(entry) / base);
+            same(if efficiency(entry) == best { format!("<strong>{ratio}</strong>") } else { ratio })
+        });
+        std::iter::once(title.clone()).chain(cells).collect()
+    });
+    let rows: Vec<Vec<Text>> = rows.collect();
+    let mut heads = vec![text("room", "habitación")];
+    heads.extend(contest::techniques().map(|name| same(format!("<code>{name}</code>"))));
+    sheet.table(&heads, &rows);
 }
 
 fn row(row: &Integrator) -> Vec<Text> {

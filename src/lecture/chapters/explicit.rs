@@ -42,7 +42,7 @@ fn rows(lab: &mut Lab, sheet: &mut Sheet, room: &Room, spps: &[u32]) -> Result<(
         for spp in spps {
             let run = lab.render(&format!("explicit-{technique}-{spp}"), room.shot(technique).samples(*spp))?;
             let found = lab.compare(&run, &reference)?;
-            let title = text(format!("{en}, {spp} spp"), format!("{es}, {spp} spp"));
+            let title = text(format!("{en}, {} spp", samples(run.spp())), format!("{es}, {} spp", samples(run.spp())));
             cells.push(picture(&run, room.exposure, title.clone(), room.alt(&title), error_caption(&run, &found)));
         }
         let entry = equal_time(lab, room, technique)?;

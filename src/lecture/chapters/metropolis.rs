@@ -67,7 +67,7 @@ fn show(lab: &mut Lab, sheet: &mut Sheet, room: &Room) -> Result<()> {
         cells.push(picture(&run, room.exposure, title.clone(), room.alt(&title), caption));
     }
     let run =
-        lab.render(&format!("metropolis-{}-bdpt", room.name), room.shot("bdpt").seconds(longest).as_measured())?;
+        lab.render(&format!("metropolis-{}-bdpt", room.name), room.shot("bdpt").seconds(longest).that_was_measured())?;
     let found = lab.compare(&run, &reference)?;
     let title = text("Bidirectional path tracing", "Trazado de caminos bidireccional");
     cells.push(picture(&run, room.exposure, title.clone(), room.alt(&title), error_caption(&run, &found)));

@@ -25,7 +25,12 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     let variants = [
         ("one-wide", "photon:direct=photons:radius=0.1", 1, text("One map, wide radius", "Un mapa, radio grande")),
         ("one", "photon:direct=photons", 1, text("One map, all light from photons", "Un mapa, toda la luz de fotones")),
-        ("many", "photon:direct=photons", 256, text("256 maps", "256 mapas")),
+        (
+            "many",
+            "photon:direct=photons",
+            256,
+            text("Many maps, all light from photons", "Muchos mapas, toda la luz de fotones"),
+        ),
         (
             "one-nee",
             "photon",
@@ -36,7 +41,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             "many-nee",
             "photon",
             256,
-            text("256 maps, direct light by shadow rays", "256 mapas, luz directa con rayos de sombra"),
+            text("Many maps, direct light by shadow rays", "Muchos mapas, luz directa con rayos de sombra"),
         ),
     ];
     let mut cells = Vec::new();

@@ -40,7 +40,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             "radiosity:patches=32:shown=gathered",
             text("Radiosity: gathered once more", "Radiosidad: con una recogida final"),
         ),
-        ("photons-many-nee", "photon", text("Photon mapping, 256 maps", "Mapa de fotones, 256 mapas")),
+        ("photons-many-nee", "photon", text("Photon mapping", "Mapa de fotones")),
     ];
     let (mut cells, mut maps, mut rows) = (Vec::new(), Vec::new(), Vec::new());
     for (name, technique, title) in variants {

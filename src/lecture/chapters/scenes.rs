@@ -139,6 +139,6 @@ impl Room {
             Budget::Samples(spp) => shot.samples(spp),
             Budget::Seconds(seconds) => shot.seconds(seconds),
         };
-        lab.render(&format!("{}-reference", self.name), shot.as_reference())
+        lab.render(&format!("{}-reference", self.name), shot.with_own_seed())
     }
 }

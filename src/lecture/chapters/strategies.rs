@@ -22,8 +22,8 @@ const SAMPLES: u32 = 64;
 
 fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.question(text(
-        "A path of k segments can be made in k + 2 ways. Which of them finds which light, and how are they put together?",
-        "Un camino de k segmentos se puede construir de k + 2 maneras. ¿Cuál encuentra qué luz, y cómo se combinan?",
+        "A path of k segments can be made in k + 1 ways. Which of them finds which light, and how are they put together?",
+        "Un camino de k segmentos se puede construir de k + 1 maneras. ¿Cuál encuentra qué luz, y cómo se combinan?",
     ));
     sheet.equation(
         "I ≈ ∑ _ { s , t } w _ { s , t } { f ( X ) } over { p _ { s , t } ( X ) } , w _ { s , t } = { p _ { s , t } ^ 2 } over { ∑ _ { i } p _ { i , k + 1 − i } ^ 2 }",
