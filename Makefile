@@ -11,7 +11,7 @@ export LUMBRE_TEST_BACKENDS ?= all
 # Where set-up has brought Chromium, the test of the report must find it.
 BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
 
-.PHONY: demo build test quick bench clean
+.PHONY: demo build test quick bench lecture clean
 
 demo: build
 	@mkdir -p out
@@ -38,6 +38,10 @@ bench: build
 	$(LUMBRE) bench scenes/cornell.xml scenes/cornell_spheres.xml scenes/veach_mis.xml scenes/gltf_room/room.gltf \
 		-i path,path-implicit --backend bvh,ray-query -t 2.5 --seeds 5 --size 128x128 --reference-spp 2048 \
 		-o out/bench --fresh
+
+# Every comparison of the lecture, measured here: out/lecture/index.html. Goes on where it was interrupted.
+lecture: build
+	$(LUMBRE) lecture -o out/lecture
 
 clean:
 	$(CARGO) clean

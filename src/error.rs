@@ -81,6 +81,15 @@ pub enum Error {
     #[error("interrupted: {0}")]
     Interrupted(String),
 
+    /// A command that a lecture runs failed.
+    #[error("the command failed: {command}: {message}")]
+    Command {
+        /// The command, as one types it.
+        command: String,
+        /// What it said.
+        message: String,
+    },
+
     /// A bench found something worse than before.
     #[error("{0}")]
     Regression(String),

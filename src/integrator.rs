@@ -163,6 +163,10 @@ pub struct Integrator {
     pub kept: Kept,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
+    /// The light that it is a good choice for; README.md says by which measurement.
+    pub good_at: &'static str,
+    /// The light that another technique is better for, and what it costs.
+    pub bad_at: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
 }
@@ -231,6 +235,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        good_at: "soft shadows, and to see each way of sampling them by itself",
+        bad_at: "rooms: nothing in it has bounced twice",
         parameters: &[Parameter {
             name: "sampling",
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
@@ -250,6 +256,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        good_at: "mirrors and clear glass under direct light: one sample follows all branches",
+        bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
         parameters: &[
             Parameter {
                 name: "branches",
@@ -286,6 +294,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaLights],
+        good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
+        bad_at: "small lamps, which chance seldom finds",
         parameters: &[
             Parameter {
                 name: "form",
@@ -315,6 +325,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        good_at: "most scenes: wherever the camera's paths can aim at the light",
+        bad_at: "caustics, and lamps hidden in their fittings",
         parameters: &[],
     },
     Integrator {
@@ -328,6 +340,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        good_at: "reading the rendering equation in the code",
+        bad_at: "speed: what its calls wait for is kept in memory",
         parameters: &[Parameter {
             name: "returns",
             about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \
@@ -348,6 +362,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Nothing,
         misses: &[Missing::Unshowable],
+        good_at: "caustics on matte surfaces, which the camera sees directly",
+        bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
         parameters: &[],
     },
     Integrator {
@@ -361,6 +377,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Paths,
         misses: &[Missing::HiddenDeltaCaustics],
+        good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
+        bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
         parameters: &[WEIGHTS],
     },
     Integrator {
@@ -382,6 +400,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
         misses: &[],
+        good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
+        bad_at: "light that is easy to aim at: its samples take the longest",
         parameters: &[
             WEIGHTS,
             Parameter {
@@ -414,6 +434,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
         misses: &[],
+        good_at: "caustics, also as mirrors and glass show them",
+        bad_at: "glossy surfaces, and light that is easy to aim at",
         parameters: &[
             Parameter {
                 name: "direct",

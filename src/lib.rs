@@ -45,6 +45,7 @@ pub mod gpu;
 pub mod input;
 pub mod integrator;
 pub mod layout;
+pub mod lecture;
 pub mod metrics;
 pub mod output;
 pub mod rays;

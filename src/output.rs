@@ -115,6 +115,13 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
+/// The PNG file of an image.
+pub(crate) fn png_of(image: &Image) -> Result<Vec<u8>, String> {
+    let mut file = std::io::Cursor::new(Vec::new());
+    write_png(&mut file, image)?;
+    Ok(file.into_inner())
+}
+
 fn write_png(file: &mut dyn WriteSeek, image: &Image) -> Result<(), String> {
     let bytes: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.map(srgb_byte)).collect();
     let encoder = image::codecs::png::PngEncoder::new(file);

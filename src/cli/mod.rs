@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod devices;
 mod info;
+mod lecture;
 mod list;
 mod rays;
 mod render;
@@ -33,6 +34,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Measure speed against error: techniques, backends and options, with intervals
     Bench(bench::BenchArgs),
+    /// Make the page of the lecture: every comparison, measured here
+    Lecture(lecture::LectureArgs),
     /// Compare an image with a reference
     Compare(compare::CompareArgs),
     /// Measure raw ray throughput: primary, shadow and diffuse-bounce rays
@@ -157,6 +160,7 @@ pub fn main() -> u8 {
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Rays(args) => rays::run(&args),
         Command::Info(args) => info::run(&args),

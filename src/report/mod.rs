@@ -2,12 +2,12 @@
 //!
 //! The page is well-formed as XML too, so that a test can parse it; every text from outside passes `html::escape`.
 
-mod chart;
+pub(crate) mod chart;
 mod csv;
-mod html;
-mod number;
+pub(crate) mod html;
+pub(crate) mod number;
 mod page;
-mod pictures;
+pub(crate) mod pictures;
 mod rows;
 mod scale;
 mod scene;

@@ -1,4 +1,4 @@
-//! The pictures of a bench, each in the page once, however often it is shown.
+//! The pictures of a page, each in it once, however often it is shown.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 /// Pictures up to this width are shown with visible pixels when enlarged; larger ones are mostly made smaller.
 const PIXELATED: u32 = 400;
 
-/// All pictures that the results name.
+/// The pictures of a page.
+#[derive(Default)]
 pub struct Pictures {
     list: Vec<Picture>,
     by_name: HashMap<String, usize>,
@@ -27,9 +28,9 @@ struct Picture {
 }
 
 impl Pictures {
-    /// Reads them from the bench's folder.
+    /// Those that a bench's results name, from its folder.
     pub fn read(folder: &Path, results: &Results) -> Result<Self> {
-        let mut pictures = Self { list: Vec::new(), by_name: HashMap::new() };
+        let mut pictures = Self::default();
         for scene in &results.scenes {
             pictures.add(folder, &scene.reference.picture)?;
             let cells = scene.equal_time.iter().chain(&scene.equal_spp).flat_map(|Row { cells, .. }| cells);
@@ -53,9 +54,16 @@ impl Pictures {
                 Error::read(&path, format!("the pictures of a report are PNG files, and this is none ({error})"))
             })?
             .dimensions();
-        self.by_name.insert(name.to_owned(), self.list.len());
-        self.list.push(Picture { width, height, base64: STANDARD.encode(bytes) });
+        self.insert(name, (width, height), &bytes);
         Ok(())
+    }
+
+    /// Takes a PNG file of that size; the first one of a name stays.
+    pub fn insert(&mut self, name: &str, (width, height): (u32, u32), png: &[u8]) {
+        if !self.by_name.contains_key(name) {
+            self.by_name.insert(name.to_owned(), self.list.len());
+            self.list.push(Picture { width, height, base64: STANDARD.encode(png) });
+        }
     }
 
     /// The id of a picture's element in the page, which its script looks up.

@@ -1,4 +1,4 @@
-//! What a bench says of where it ran, and where it keeps what other benches can use.
+//! What a bench or a lecture says of where it ran, and where benches keep what others can use.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use lumbre::error::{Error, Result};
 use lumbre::gpu::Gpu;
 
 /// The command line, with arguments that need it in quotes.
-pub(super) fn command_line() -> String {
+pub(in crate::cli) fn command_line() -> String {
     let quoted = |argument: String| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+@%".contains(c);
         if !argument.is_empty() && argument.chars().all(plain) { argument } else { format!("'{argument}'") }
@@ -17,7 +17,7 @@ pub(super) fn command_line() -> String {
 }
 
 /// The device and the host.
-pub(super) fn device(gpu: &Gpu) -> Device {
+pub(in crate::cli) fn device(gpu: &Gpu) -> Device {
     let survey = gpu.survey();
     // Linux says which processor it is; elsewhere its architecture must do.
     let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {

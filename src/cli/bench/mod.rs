@@ -1,7 +1,7 @@
 //! `lumbre bench`: speed against error.
 
 mod columns;
-mod host;
+pub(super) mod host;
 mod table;
 
 use std::collections::HashSet;
