@@ -420,14 +420,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         name: "photon",
         title: "progressive photon mapping",
         file: "photon.glsl",
-        passes: &[
-            pass("light", Over::Pixels),
-            GRID[0],
-            GRID[1],
-            GRID[2],
-            GRID[3],
-            pass("camera", Over::Pixels),
-        ],
+        passes: &[pass("light", Over::Pixels), GRID[0], GRID[1], GRID[2], GRID[3], pass("camera", Over::Pixels)],
         solves: Solves::Everything,
         bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
         rr_depth: 5,
@@ -463,6 +456,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Chains,
         misses: &[],
+        good_at: "light that is hard to find and has neighbours: a door ajar, caustics through a small gap",
+        bad_at: "light that is easy to aim at: visits to the same paths again say little that is new",
         parameters: &[
             Parameter {
                 name: "form",
@@ -514,6 +509,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Patches,
         misses: &[],
+        good_at: "rooms that are diffuse: all of their light from any side, without noise once it is solved",
+        bad_at: "sharp shadows, which patches blur, and all that is not diffuse, which it treats as if it were",
         parameters: &[
             Parameter {
                 name: "solver",

@@ -107,6 +107,11 @@ impl FramePlan {
         self.bound = most;
     }
 
+    /// What bounds them.
+    pub fn bound_of_frames(&self) -> u64 {
+        self.bound
+    }
+
     /// The next frame, or nothing once all slots have `target` samples.
     pub fn next(&self, target: u32) -> Option<Frame> {
         let begins = self.stage == 0 && self.cursor == 0;

@@ -1,0 +1,229 @@
+//! Metropolis light transport: its image is that of `path` and `bdpt` whatever its chains are like, however many there are.
+//!
+//! What a chain brings from one sample to the next is not independent, so a film's own variance says nothing here: seeds are compared.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::room::{LAMP, room, scene};
+use common::{assert_same_mean, canon, render, settings, tile_average, with_gpu};
+use lumbre::backend::Backend;
+use lumbre::film::Film;
+use lumbre::gpu::Gpu;
+use lumbre::metrics::stats::Estimate;
+use lumbre::render::{Renderer, Settings};
+use lumbre::scene::Scene;
+
+const FORMS: [&str; 2] = ["mlt:form=primary", "mlt:form=multiplexed"];
+const SIZE: u32 = 48;
+const TILE: u32 = 16;
+
+const MATTE: &str = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.5, 0.7'/></bsdf>";
+
+fn small(scene: &Scene, technique: &str) -> Settings {
+    Settings { width: SIZE, height: SIZE, ..settings(scene, technique, Backend::Bvh) }
+}
+
+/// The films of so many seeds.
+fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32) -> Vec<Film> {
+    let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
+    let film = |seed| {
+        renderer.restart(seed).unwrap();
+        while renderer.advance(spp).unwrap() {}
+        let film = renderer.film().unwrap();
+        assert_eq!(film.nonfinite, 0, "{:?}", film.bad_samples);
+        film
+    };
+    (0..seeds).map(film).collect()
+}
+
+/// Both forms against an independent technique, tile by tile. Tiles of one seed's image hang together, so the mean of each is taken
+/// first: `assert_same_mean` adds up variances of pixels.
+fn agrees(what: &str, scene: &Scene, reference: &str, spp: u32, change: impl Fn(&mut Settings)) {
+    with_gpu(|gpu| {
+        let mut truth = small(scene, reference);
+        truth.seed = 1000;
+        change(&mut truth);
+        let truth = tiles(&render(gpu, scene, &truth, 40 * spp));
+        for technique in FORMS {
+            let mut settings = small(scene, technique);
+            change(&mut settings);
+            assert_same_mean(
+                &format!("{what}: {technique}"),
+                &tiles_over(&films(gpu, scene, &settings, 40, spp)),
+                &truth,
+                1,
+            );
+        }
+    });
+}
+
+/// A film whose pixels are the means of another one's tiles, with the variance that this one states.
+fn tiles(film: &Film) -> Film {
+    let (across, down) = (film.width.div_ceil(TILE), film.height.div_ceil(TILE));
+    let mut small = blank(across, down, 2);
+    for y in 0..down {
+        for x in 0..across {
+            let rows = y * TILE..((y + 1) * TILE).min(film.height);
+            let average = tile_average(film, x * TILE..((x + 1) * TILE).min(film.width), rows);
+            for (channel, Estimate { mean, variance }) in average.into_iter().enumerate() {
+                let pixel = (y * across + x) as usize;
+                // Two samples with that mean and that variance of it.
+                small.sums[pixel][channel] = 2.0 * mean;
+                small.squares[pixel][channel] = 2.0 * (mean * mean + variance);
+            }
+        }
+    }
+    small
+}
+
+/// A film whose samples are films' means of tiles.
+fn tiles_over(films: &[Film]) -> Film {
+    let all: Vec<Film> = films.iter().map(tiles).collect();
+    let mut sum = blank(all[0].width, all[0].height, films.len() as u64);
+    for film in &all {
+        for (pixel, value) in film.sums.iter().enumerate() {
+            for channel in 0..3 {
+                let x = value[channel] / 2.0;
+                sum.sums[pixel][channel] += x;
+                sum.squares[pixel][channel] += x * x;
+            }
+        }
+    }
+    sum
+}
+
+fn blank(width: u32, height: u32, count: u64) -> Film {
+    let pixels = width as usize * height as usize;
+    let zero = vec![[0.0; 3]; pixels];
+    Film { width, height, counts: vec![count; pixels], sums: zero.clone(), squares: zero, ..Film::default() }
+}
+
+#[test]
+fn the_canon() {
+    for (name, reference, spp) in [
+        ("cornell.xml", "path", 24),
+        ("cornell_spheres.xml", "path", 24),
+        ("door_ajar.xml", "bdpt", 48),
+        ("ring_caustic.xml", "bdpt", 48),
+    ] {
+        agrees(name, &canon(name, &[]), reference, spp, |_| {});
+    }
+}
+
+/// Every kind of light, and a background.
+#[test]
+fn every_light() {
+    const CAMERA: &str = "<sensor type='perspective'><float name='fov' value='40'/>
+        <transform name='to_world'><lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/></transform>
+        <film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/><rfilter type='box'/></film></sensor>";
+    let point = "<emitter type='point'><point name='position' x='0.3' y='2.2' z='1'/><rgb name='intensity' value='9, 8, 7'/></emitter>";
+    let sun = "<emitter type='directional'><vector name='direction' x='-0.4' y='-1' z='-0.6'/><rgb name='irradiance' value='3, 2.8, 2.5'/></emitter>";
+    let sky = "<emitter type='constant'><rgb name='radiance' value='0.8, 0.9, 1'/></emitter>";
+    agrees("all lights", &scene(&[CAMERA, &room(MATTE, MATTE), point, sun, sky, LAMP].concat()), "bdpt", 24, |_| {});
+}
+
+/// Paths that end early, and those that are longer than any that have vertices from both sides.
+#[test]
+fn every_length() {
+    let scene = canon("cornell.xml", &[]);
+    for max_depth in [Some(1), Some(2), Some(4), Some(18)] {
+        agrees(&format!("{max_depth:?} segments"), &scene, "path", 12, |settings| settings.max_depth = max_depth);
+    }
+}
+
+/// Lenses, parallel rays, and filters that reach beyond a pixel and below nothing.
+#[test]
+fn every_camera_and_filter() {
+    for (kind, parameters, filter) in [
+        (
+            "thinlens",
+            "<float name='fov' value='40'/><float name='aperture_radius' value='0.3'/><float name='focus_distance' value='5'/>",
+            "gaussian",
+        ),
+        ("orthographic", "", "mitchell"),
+    ] {
+        let scale = if kind == "orthographic" { "<scale x='1.6' y='1.6' z='1'/>" } else { "" };
+        let sensor = format!(
+            "<sensor type='{kind}'>{parameters}<transform name='to_world'>{scale}<lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/>
+             </transform><film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/>
+             <rfilter type='{filter}'/></film></sensor>"
+        );
+        agrees(kind, &scene(&[&sensor, &room(MATTE, MATTE), LAMP].concat()), "bdpt", 24, |_| {});
+    }
+}
+
+/// However many chains share the same number of mutations, the mean is off by less than two of its standard deviations over 32 seeds.
+#[test]
+fn starting_up_leaves_no_bias() {
+    let scene = canon("cornell_spheres.xml", &[]);
+    with_gpu(|gpu| {
+        let settings = |technique: &str| {
+            let settings = settings(&scene, technique, Backend::Bvh);
+            Settings { width: 32, height: 32, max_depth: Some(6), ..settings }
+        };
+        let truth =
+            tile_average(&render(gpu, &scene, &Settings { seed: 1000, ..settings("path") }, 16384), 0..32, 0..32)[1];
+        for form in FORMS {
+            for chains in [100, 1000, 10_000, 100_000] {
+                let settings = settings(&format!("{form}:chains={chains}:candidates=1"));
+                let means: Vec<f64> =
+                    films(gpu, &scene, &settings, 32, 16).iter().map(|film| film.average()[1]).collect();
+                let mean = Estimate::of(&means);
+                let (off, z) = (mean.mean / truth.mean - 1.0, mean.z(&truth));
+                println!("{form}, {chains} chains: off by {:+.3} %, {z:+.2} standard deviations", 100.0 * off);
+                assert!(z.abs() < 2.0, "{form}, {chains} chains: {z}");
+                assert!(off.abs() < 0.01, "{form}, {chains} chains: too few seeds to tell, {off}");
+            }
+        }
+    });
+}
+
+/// Layers by path length add up to the image, and are those of `path`.
+#[test]
+fn layers_add_up() {
+    let scene = canon("cornell.xml", &[]);
+    with_gpu(|gpu| {
+        for technique in FORMS {
+            let settings = Settings { lengths: 8, ..small(&scene, technique) };
+            let film = render(gpu, &scene, &settings, 64);
+            let truth = render(gpu, &scene, &Settings { lengths: 8, seed: 1, ..small(&scene, "path") }, 512);
+            let plain = render(gpu, &scene, &small(&scene, technique), 64);
+            let total =
+                |film: &Film, layer: usize| -> f64 { film.length(layer).pixels.iter().map(|p| f64::from(p[1])).sum() };
+            let sum: f64 = (0..8).map(|layer| total(&film, layer)).sum();
+            let whole: f64 = plain.mean().pixels.iter().map(|p| f64::from(p[1])).sum();
+            assert!((sum / whole - 1.0).abs() < 1e-5, "{technique}: {sum} against {whole}");
+            for layer in 0..6 {
+                let (a, b) = (total(&film, layer), total(&truth, layer));
+                println!("{technique}, {} segments: {a:.2} against {b:.2}", layer + 1);
+                assert!((a / b - 1.0).abs() < 0.04, "{technique}, {} segments: {a} against {b}", layer + 1);
+            }
+        }
+    });
+}
+
+/// A scene without light has nothing to mutate, and says so.
+#[test]
+fn darkness_is_an_error() {
+    let dark = scene(
+        "<sensor type='perspective'><transform name='to_world'><lookat origin='0, 1, 6' target='0, 0.8, 0' up='0, 1, 0'/></transform></sensor>
+         <emitter type='point'><point name='position' x='0' y='-50' z='0'/><rgb name='intensity' value='1'/></emitter>
+         <shape type='rectangle'><transform name='to_world'><scale value='3'/><rotate x='1' angle='-90'/></transform></shape>",
+    );
+    with_gpu(|gpu| {
+        for technique in FORMS {
+            let mut renderer = Renderer::new(gpu, &dark, &small(&dark, technique)).unwrap();
+            let error = loop {
+                match renderer.advance(4) {
+                    Ok(true) => {}
+                    Ok(false) => panic!("{technique} has rendered darkness"),
+                    Err(error) => break error,
+                }
+            };
+            assert!(error.to_string().starts_with("no light in 65536 paths"), "{error}");
+            assert_eq!(error.exit_status(), 1);
+        }
+    });
+}
