@@ -252,8 +252,9 @@ fn bad_commands_name_what_is_valid() {
         fails(here, &args, 2)
     };
     assert!(
-        render(&["-i", "bogus"])
-            .contains("direct, whitted, path-implicit, path, path-recursive, light, bdpt, vcm or photon")
+        render(&["-i", "bogus"]).contains(
+            "direct, whitted, path-implicit, path, path-recursive, light, bdpt, vcm, photon, mlt or radiosity"
+        )
     );
     assert!(render(&["-i", "direct:sampling=bogus"]).contains("mis, emitter or bsdf"));
     assert!(render(&["-i", "direct:bogus=1"]).contains("valid are sampling"));

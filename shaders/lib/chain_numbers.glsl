@@ -37,10 +37,12 @@ bool block_place(uint chain, uint dimension, out Numbers place) {
     return block < room;
 }
 
-// Four numbers perturbed, on a circle: each way as likely, distances with equal density of their logarithm.
+// Four numbers perturbed, on a circle: each way as likely, distances with equal density of their logarithm. The highest bit says which
+// way: the lowest ones of consecutive mutations hang together (their correlation is up to -0.25), and a chain whose steps remember the
+// last one goes elsewhere: lamps of the Cornell box came out 4 % too bright.
 vec4 perturbed(vec4 u, uvec4 bits) {
-    vec4 step = LARGEST_STEP * exp(vec4(bits >> 8u) * (-log(LARGEST_STEP / SMALLEST_STEP) / 16777216.0));
-    vec4 moved = fract(u + mix(step, -step, notEqual(bits & 1u, uvec4(0u))));
+    vec4 step = LARGEST_STEP * exp(uniform4(bits << 1u) * -log(LARGEST_STEP / SMALLEST_STEP));
+    vec4 moved = fract(u + mix(step, -step, greaterThanEqual(bits, uvec4(0x80000000u))));
     return mix(moved, vec4(0.0), greaterThanEqual(moved, vec4(1.0))); // fract of what is just below nothing rounds to one
 }
 
