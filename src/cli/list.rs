@@ -28,7 +28,7 @@ pub(super) fn run() -> Result<()> {
     }
     print("samplers");
     for row in SAMPLERS {
-        print(&format!("{:<14} {}", row.name, row.about));
+        print(&format!("{:<14} {}", row.name, indented("", row.about).trim_start()));
     }
     Ok(())
 }

@@ -85,6 +85,24 @@ const TECHNIQUES: &[(&str, Words)] = &[
             "superficies satinadas, y luz a la que es fácil apuntar",
         ],
     ),
+    (
+        "mlt",
+        [
+            "todo el transporte de luz",
+            "consistente: la media por la que se escalan las visitas de sus cadenas se estima con los mismos caminos",
+            "luz difícil de encontrar que tiene vecinas: una puerta entreabierta, cáusticas por una rendija",
+            "luz a la que es fácil apuntar: volver a los mismos caminos dice poco de nuevo",
+        ],
+    ),
+    (
+        "radiosity",
+        [
+            "todo el transporte de luz, tomando por difusas todas las superficies",
+            "sesgada: las superficies son difusas y cada parche tiene una sola irradiancia; con parches menores se vuelve exacta",
+            "habitaciones difusas: toda su luz desde cualquier lado, sin ruido una vez resuelta",
+            "sombras nítidas, que los parches desenfocan, y todo lo que no es difuso, que trata como si lo fuera",
+        ],
+    ),
 ];
 
 /// The words for a technique of that name.
