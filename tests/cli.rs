@@ -332,3 +332,25 @@ fn a_first_picture_comes_quickly() {
     println!("{:?} from the command to its file", started.elapsed());
     assert!(started.elapsed() < Duration::from_secs(3), "{:?}", started.elapsed());
 }
+
+/// Radiosity says what it makes of other materials and how its patches fare, on the summary and as JSON; other techniques do not.
+#[test]
+fn radiosity_reports_its_patches() {
+    let folder = tempfile::tempdir().unwrap();
+    let spheres = scene("cornell_spheres.xml");
+    let render = |technique: &str, more: &[&str]| {
+        let all = [&["render", &spheres, "-i", technique, "-n", "2", "--size", "16x16", "-o", "a.exr"], more].concat();
+        lumbre(folder.path(), &all)
+    };
+    let output = render("radiosity:patches=8", &[]);
+    let (said, summary) = (text(&output.stderr), text(&output.stdout));
+    assert!(said.contains("takes for diffuse") && said.contains("'glass' (dielectric)"), "{said}");
+    assert!(summary.contains("patches    ") && summary.contains("form factors sum to"), "{summary}");
+    let json = |technique: &str| -> serde_json::Value {
+        serde_json::from_str(&text(&render(technique, &["--json", "-", "-q"]).stdout)).unwrap()
+    };
+    let patches = &json("radiosity:patches=8")["patches"];
+    assert!(patches["residual"].as_f64().unwrap() < 1e-5 && patches["row_sums"][2].as_f64() == Some(1.0), "{patches}");
+    assert!(json("path")["patches"].is_null());
+    assert!(fails(folder.path(), &["render", &spheres, "-i", "radiosity:solver=guess"], 2).contains("gather or shoot"));
+}

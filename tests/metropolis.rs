@@ -88,8 +88,8 @@ fn tiles_over(films: &[Film]) -> Film {
     let mut sum = blank(all[0].width, all[0].height, films.len() as u64);
     for film in &all {
         for (pixel, value) in film.sums.iter().enumerate() {
-            for channel in 0..3 {
-                let x = value[channel] / 2.0;
+            for (channel, twice) in value.iter().enumerate() {
+                let x = twice / 2.0;
                 sum.sums[pixel][channel] += x;
                 sum.squares[pixel][channel] += x * x;
             }

@@ -61,7 +61,7 @@ fn unit_cube() -> Scene {
     looking_at_the_middle(builder)
 }
 
-/// NUMERICS 4: faces of the unit cube. Directions with the density of a hemisphere instead of cos / pi give 0.1397 and 0.2151.
+/// NUMERICS 4: faces of the unit cube.
 #[test]
 fn form_factors_of_the_cube() {
     let scene = unit_cube();
@@ -112,9 +112,10 @@ fn rectangles(a: f64, b: f64, c: f64) -> f64 {
 fn form_factors_in_closed_form() {
     assert!((disks(1.0, 1.0, 1.0) - 0.381_966).abs() < 1e-6 && (rectangles(1.0, 1.0, 1.0) - 0.199_825).abs() < 1e-6);
     with_gpu(|gpu| {
-        let check = |what: &str, builder: SceneBuilder, expected: f64| {
+        let check = |what: &str, builder: SceneBuilder, patches: u32, expected: f64| {
             let scene = looking_at_the_middle(builder);
-            let found = report(gpu, &scene, "radiosity:patches=12:rays=256:shown=patches", 64).form_factors[0][1];
+            let found = report(gpu, &scene, &format!("radiosity:patches={patches}:rays=256:shown=patches"), 64)
+                .form_factors[0][1];
             println!("{what}: {found:.6} against {expected:.6}");
             assert_off(what, found / expected - 1.0, 1e-3);
         };
@@ -126,7 +127,8 @@ fn form_factors_in_closed_form() {
                     * DAffine3::from_scale(DVec3::new(radius, radius * turn, turn * radius));
                 builder.mesh(0, "disk", Mesh::disk(), place, side);
             }
-            check(&format!("disks {r1}, {r2} at {h}"), builder, disks(r1, r2, h));
+            // Each disk has 256 triangles already.
+            check(&format!("disks {r1}, {r2} at {h}"), builder, 1, disks(r1, r2, h));
         }
         for (a, b, c) in [(1.0, 2.0, 0.5), (3.0, 1.0, 2.0)] {
             let mut builder = SceneBuilder::new("rectangles");
@@ -134,13 +136,12 @@ fn form_factors_in_closed_form() {
                 let side = builder.matte([0.5; 3]);
                 builder.parallelogram(DVec3::Z * height, DVec3::X * a, DVec3::Y * b, side);
             }
-            check(&format!("rectangles {a} x {b} at {c}"), builder, rectangles(a, b, c));
+            check(&format!("rectangles {a} x {b} at {c}"), builder, 12, rectangles(a, b, c));
         }
     });
 }
 
-/// Where all light is the same everywhere, no ray can miss it: the solution is exact, length by length. An albedo that is 1e-4 off
-/// shows as 2e-4.
+/// Where all light is the same everywhere, no ray can miss it: the solution is exact, length by length.
 #[test]
 fn furnaces_are_exact() {
     const LAYERS: u32 = 5;
@@ -191,13 +192,13 @@ fn cube_with_a_point_light() {
                     Settings { camera: Some(camera.to_owned()), ..settings(&scene, technique, Backend::Bvh) };
                 average(&render(gpu, &scene, &settings, spp))[0].mean / expected - 1.0
             };
-            let gathered = at("radiosity:patches=64:rays=8:shown=gathered", 64);
+            let gathered = at("radiosity:patches=64:rays=4:shown=gathered", 64);
             assert_off(&format!("{camera}, gathered from 64 x 64 patches"), gathered, 5e-3);
             let rim = matches!(camera, "edge" | "edge_quarter" | "corner");
-            let shown = at("radiosity:patches=64:rays=8:shown=vertices", 64);
+            let shown = at("radiosity:patches=64:rays=4:shown=vertices", 64);
             assert_off(&format!("{camera}, interpolated on 64 x 64 patches"), shown, if rim { 0.04 } else { 5e-3 });
             if rim {
-                let coarse = at("radiosity:patches=16:rays=32:shown=vertices", 64);
+                let coarse = at("radiosity:patches=16:rays=64:shown=vertices", 64);
                 assert_off(&format!("{camera}, interpolated on 16 x 16 patches"), coarse, 0.15);
                 assert!(shown < 0.6 * coarse, "{camera}: it does not converge as patches shrink");
             }
@@ -234,8 +235,7 @@ fn inside_a_sphere() {
     });
 }
 
-/// The energy of the Cornell box is that of `path`, whatever is shown, by either solver and on every backend. A gather without the weight
-/// of emission that rays find has 1.9 % more.
+/// The energy of the Cornell box is that of `path`, whatever is shown, by either solver and on every backend.
 #[test]
 fn cornell_has_the_energy_of_path() {
     let scene = canon("cornell.xml", &[]);
@@ -353,7 +353,7 @@ fn adaptive_patches_are_fewer() {
         };
         let (uniform, adaptive, coarse) = (run("0"), run("0.2"), run("10"));
         assert!(adaptive.0 < uniform.0 / 2 && coarse.0 < adaptive.0 / 4);
-        assert!(adaptive.1 < 1.5 * uniform.1 && coarse.1 > 3.0 * adaptive.1);
+        assert!(adaptive.1 < 1.2 * uniform.1 && coarse.1 > 1.4 * adaptive.1);
     });
 }
 

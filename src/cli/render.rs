@@ -271,6 +271,12 @@ fn settle(
     if let Some(q) = &args.rr_q {
         technique.set("q", q)?;
     }
+    if args.error.is_some() && technique.row.kept == Kept::Chains {
+        return Err(Error::Usage(format!(
+            "--error with {}: its samples hang together, so their variance does not tell the error; valid are -n and -t",
+            technique.row.name
+        )));
+    }
     let mut settings = Settings::new(scene, technique, choose_backend(&args.backend, gpu)?);
     if let Some((width, height)) = args.size {
         (settings.width, settings.height) = (width, height);

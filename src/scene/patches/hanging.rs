@@ -51,7 +51,7 @@ pub(super) fn anchor(mesh: &mut PatchMesh, faces: &[Face]) {
 fn hooks(mesh: &PatchMesh, faces: &[Face]) -> HashMap<u32, Hook> {
     let mut at: HashMap<Place, u32> = HashMap::new();
     for patch in 0..mesh.patches.len() {
-        at.extend(corners(mesh, faces, patch).into_iter().map(|(place, vertex)| (place, vertex)));
+        at.extend(corners(mesh, faces, patch));
     }
     let mut found: HashMap<u32, Hook> = HashMap::new();
     for patch in (0..mesh.patches.len()).filter(|patch| mesh.nodes[*patch].level > 0) {
