@@ -149,7 +149,7 @@ shared_structs! {
         open_ended: uint,
         /// 1 where emission is left to the patches' rays alone, which find it everywhere.
         found: uint,
-        /// Counts of a patch: rays that met nothing, a surface without a patch, and then patches of each group of surfaces.
+        /// Counts of a patch: rays that met nothing, a surface without a patch, patches on backs, and then on the front of each surface.
         columns: uint,
     }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::scene::patches::PatchMesh;
+use crate::scene::patches::{FIRST_COLUMN, PatchMesh};
 
 /// Figures of a rendering with patches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -21,7 +21,7 @@ pub struct PatchReport {
     pub row_sums: [f64; 3],
     /// Share of rays that met what has no patch: the back of a surface, or one that reflects nothing.
     pub blocked: f64,
-    /// Form factors between surfaces, from row to column, where there are few: of their front and back together.
+    /// Form factors between the fronts of surfaces, from row to column, where these are few.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub form_factors: Vec<Vec<f64>>,
     /// The largest difference between A_i F_ij and A_j F_ji, as a share of the larger area.
@@ -49,10 +49,10 @@ impl PatchReport {
             area_sum += area;
             report.row_sums[1] += area * sum;
             report.blocked += area * share(1);
-            if told_apart > 0 {
-                let own = patch.column as usize - (columns - surfaces);
+            if told_apart > 0 && patch.back == 0 {
+                let own = (patch.column - FIRST_COLUMN) as usize;
                 areas[own] += area;
-                (0..surfaces).for_each(|to| flows[own][to] += area * share(columns - surfaces + to));
+                (0..surfaces).for_each(|to| flows[own][to] += area * share(FIRST_COLUMN as usize + to));
             }
         }
         if area_sum > 0.0 {

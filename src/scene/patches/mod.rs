@@ -19,8 +19,9 @@ use faces::{Face, Shape};
 
 /// The most patches that a scene may have.
 const MOST: u64 = 1 << 22;
-/// Counts of a patch besides those by surface: rays that met nothing, and what has no patch.
-const FIRST_COLUMN: u32 = 2;
+/// Counts of a patch besides those of fronts by surface: rays that met nothing, what has no patch, and backs.
+pub const FIRST_COLUMN: u32 = 3;
+const BACKS: u32 = 2;
 /// Irradiance below this share of the mean counts as that share, where it is to be even.
 const DARK: f64 = 0.2;
 /// The most surfaces whose form factors are told apart.
@@ -210,7 +211,11 @@ impl PatchMesh {
                     corner: corner.as_vec2().into(),
                     extent: extent.as_vec2().into(),
                     area: face.area(corner, extent) as f32,
-                    column: FIRST_COLUMN + if self.has_surfaces { surface } else { 0 },
+                    column: match (back, self.has_surfaces) {
+                        (0, true) => FIRST_COLUMN + surface,
+                        (0, false) => FIRST_COLUMN,
+                        _ => BACKS,
+                    },
                 });
             }
         }
