@@ -18,8 +18,8 @@ const ROOMS: [&Room; 7] = [&CORNELL, &SPHERES, &LAMPS, &SMALL_LIGHT, &RING, &REF
 
 fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.question(text(
-        "Every technique is the best one somewhere. Where?",
-        "Cada técnica es la mejor en algún sitio. ¿En cuál?",
+        "No technique is the best one everywhere. Which one is it for which light?",
+        "Ninguna técnica es la mejor en todas partes. ¿Cuál lo es para qué luz?",
     ));
     sheet.equation(
         "ε = { 1 } over { relMSE × s }",
