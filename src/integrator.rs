@@ -456,8 +456,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Chains,
         misses: &[],
-        good_at: "light that is hard to find and has neighbours: a door ajar, caustics through a small gap",
-        bad_at: "light that is easy to aim at: visits to the same paths again say little that is new",
+        good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
+        bad_at: "light that is easy to aim at, where visits to the same paths say little that is new; light that only chance finds",
         parameters: &[
             Parameter {
                 name: "form",

@@ -90,8 +90,8 @@ const TECHNIQUES: &[(&str, Words)] = &[
         [
             "todo el transporte de luz",
             "consistente: la media por la que se escalan las visitas de sus cadenas se estima con los mismos caminos",
-            "luz difícil de encontrar que tiene vecinas: una puerta entreabierta, cáusticas por una rendija",
-            "luz a la que es fácil apuntar: volver a los mismos caminos dice poco de nuevo",
+            "salas iluminadas a través de una pared: un camino difícil de encontrar lleva a sus vecinos",
+            "luz a la que es fácil apuntar, donde volver a los mismos caminos dice poco de nuevo; luz que solo el azar encuentra",
         ],
     ),
     (
