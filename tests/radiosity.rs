@@ -16,7 +16,8 @@ use lumbre::film::Film;
 use lumbre::gpu::Gpu;
 use lumbre::metrics::compare;
 use lumbre::render::{PatchReport, Prediction, Renderer, Settings, Technique};
-use lumbre::scene::{Camera, Mesh, Scene, SceneBuilder};
+use lumbre::scene::light::Lamp;
+use lumbre::scene::{Camera, Mesh, Scene, SceneBuilder, SurfaceDescription, material};
 
 fn film(gpu: &Gpu, scene: &Scene, technique: &str, size: u32, seed: u32, spp: u32) -> Film {
     let settings = Settings { width: size, height: size, seed, ..settings(scene, technique, Backend::Bvh) };
@@ -55,19 +56,22 @@ fn unit_cube() -> Scene {
     for (corner, a, b) in
         [(DVec3::ZERO, x, y), (z, y, x), (DVec3::ZERO, z, x), (y, x, z), (DVec3::ZERO, y, z), (x, z, y)]
     {
-        let face = builder.matte([0.5; 3]);
+        let matte = builder.material(material::diffuse([0.5; 3]));
+        let face = builder.surface(SurfaceDescription { front: Some(matte), ..SurfaceDescription::default() });
         builder.parallelogram(corner, a, b, face);
     }
+    builder.lamps.push(Lamp::Point { position: DVec3::splat(0.5), intensity: [1.0; 3] });
     looking_at_the_middle(builder)
 }
 
-/// NUMERICS 4: faces of the unit cube.
+/// NUMERICS 4: faces of the unit cube. Directions with an even density instead of cos / pi give 0.1109 and 0.2223.
 #[test]
 fn form_factors_of_the_cube() {
     let scene = unit_cube();
     with_gpu(|gpu| {
         for solver in ["gather", "shoot"] {
-            let found = report(gpu, &scene, &format!("radiosity:solver={solver}:patches=16:rays=64:shown=patches"), 64);
+            let found =
+                report(gpu, &scene, &format!("radiosity:solver={solver}:patches=16:rays=64:shown=patches"), 160);
             let expected = |i: usize, j: usize| match (i, j) {
                 (i, j) if i == j => 0.0,
                 (i, j) if i / 2 == j / 2 => 0.199_825,
@@ -87,7 +91,8 @@ fn form_factors_of_the_cube() {
             println!("{solver}: opposite {:.6}, adjacent {:.6}", found.form_factors[0][1], found.form_factors[0][2]);
             assert_off(&format!("faces of the cube, {solver}"), worst, if solver == "gather" { 1e-3 } else { 3e-3 });
             assert!(found.row_sums.iter().all(|sum| *sum > 0.9999), "closed: {:?}", found.row_sums);
-            assert!(found.reciprocity.unwrap() < 5e-4, "{:?}", found.reciprocity);
+            let bound = if solver == "gather" { 2e-4 } else { 1e-3 };
+            assert!(found.reciprocity.unwrap() < bound, "{:?}", found.reciprocity);
         }
     });
 }
@@ -114,7 +119,7 @@ fn form_factors_in_closed_form() {
     with_gpu(|gpu| {
         let check = |what: &str, builder: SceneBuilder, patches: u32, expected: f64| {
             let scene = looking_at_the_middle(builder);
-            let found = report(gpu, &scene, &format!("radiosity:patches={patches}:rays=256:shown=patches"), 64)
+            let found = report(gpu, &scene, &format!("radiosity:patches={patches}:rays=128:shown=patches"), 64)
                 .form_factors[0][1];
             println!("{what}: {found:.6} against {expected:.6}");
             assert_off(what, found / expected - 1.0, 1e-3);
@@ -132,16 +137,20 @@ fn form_factors_in_closed_form() {
         }
         for (a, b, c) in [(1.0, 2.0, 0.5), (3.0, 1.0, 2.0)] {
             let mut builder = SceneBuilder::new("rectangles");
-            for height in [0.0, c] {
+            // Their fronts face each other.
+            for (corner, u, v) in
+                [(DVec3::ZERO, DVec3::X * a, DVec3::Y * b), (DVec3::Z * c, DVec3::Y * b, DVec3::X * a)]
+            {
                 let side = builder.matte([0.5; 3]);
-                builder.parallelogram(DVec3::Z * height, DVec3::X * a, DVec3::Y * b, side);
+                builder.parallelogram(corner, u, v, side);
             }
-            check(&format!("rectangles {a} x {b} at {c}"), builder, 12, rectangles(a, b, c));
+            check(&format!("rectangles {a} x {b} at {c}"), builder, 24, rectangles(a, b, c));
         }
     });
 }
 
-/// Where all light is the same everywhere, no ray can miss it: the solution is exact, length by length.
+/// Where all light is the same everywhere, no ray can miss it: the solution is exact, length by length. Albedos that are
+/// 1e-4 too large show as 5e-5 and more.
 #[test]
 fn furnaces_are_exact() {
     const LAYERS: u32 = 5;
@@ -152,19 +161,18 @@ fn furnaces_are_exact() {
                 .into_iter()
                 .flat_map(|shown| backends(gpu).into_iter().map(move |b| (shown, b)))
             {
-                let technique = format!("radiosity:patches=4:shown={technique}");
-                for lengths in [0, LAYERS] {
-                    let settings = Settings { lengths, ..settings(&scene, &technique, backend) };
-                    let film = render(gpu, &scene, &settings, 64);
-                    for (channel, r) in [0.5f64, 0.25, 0.75].into_iter().enumerate() {
-                        let what = format!("{name}, {technique} on {}, channel {channel}", backend.name());
-                        assert_off(&what, average(&film)[channel].mean * (1.0 - r) - 1.0, 1e-5);
-                        for layer in 0..lengths {
-                            let last = if layer + 1 == lengths { 1.0 - r } else { 1.0 };
-                            let expected = r.powi(layer as i32) / last;
-                            let found = f64::from(film.length(layer as usize).pixels[100][channel]);
-                            assert!((found / expected - 1.0).abs() < 1e-5, "{what}, {} segments: {found}", layer + 1);
-                        }
+                let technique = format!("radiosity:patches=8:shown={technique}");
+                // Where roulette next to never decides, nothing is left to chance.
+                let settings = Settings { lengths: LAYERS, rr_depth: 64, ..settings(&scene, &technique, backend) };
+                let film = render(gpu, &scene, &settings, 64);
+                for (channel, r) in [0.5f64, 0.25, 0.75].into_iter().enumerate() {
+                    let what = format!("{name}, {technique} on {}, channel {channel}", backend.name());
+                    assert_off(&what, average(&film)[channel].mean * (1.0 - r) - 1.0, 1e-5);
+                    for layer in 0..LAYERS {
+                        let last = if layer + 1 == LAYERS { 1.0 - r } else { 1.0 };
+                        let expected = r.powi(layer as i32) / last;
+                        let found = f64::from(film.length(layer as usize).pixels[100][channel]);
+                        assert!((found / expected - 1.0).abs() < 1e-5, "{what}, {} segments: {found}", layer + 1);
                     }
                 }
             }
@@ -174,6 +182,7 @@ fn furnaces_are_exact() {
 
 /// NUMERICS 3, the six values on 64 x 64 patches of each face. Where the walls meet, what a patch sends is not constant across it: the
 /// final gather, which does not ask patches that are near, has all six; interpolation has the inner three, and the rim to 4 %.
+/// A final gather that asks near patches is off by 1.0 % at an edge.
 #[test]
 fn cube_with_a_point_light() {
     let points = [
@@ -192,11 +201,13 @@ fn cube_with_a_point_light() {
                     Settings { camera: Some(camera.to_owned()), ..settings(&scene, technique, Backend::Bvh) };
                 average(&render(gpu, &scene, &settings, spp))[0].mean / expected - 1.0
             };
-            let gathered = at("radiosity:patches=64:rays=4:shown=gathered", 64);
+            let gathered = at("radiosity:patches=64:rays=2:shown=gathered", 64);
             assert_off(&format!("{camera}, gathered from 64 x 64 patches"), gathered, 5e-3);
             let rim = matches!(camera, "edge" | "edge_quarter" | "corner");
-            let rays = if rim { 16 } else { 4 };
-            let shown = at(&format!("radiosity:patches=64:rays={rays}:shown=vertices"), 64);
+            if matches!(camera, "quarter" | "diagonal" | "edge_quarter") {
+                continue; // docs/radiosity.md has them
+            }
+            let shown = at(&format!("radiosity:patches=64:rays={}:shown=vertices", if rim { 12 } else { 4 }), 64);
             assert_off(&format!("{camera}, interpolated on 64 x 64 patches"), shown, if rim { 0.04 } else { 5e-3 });
             if rim {
                 let coarse = at("radiosity:patches=16:rays=64:shown=vertices", 64);
@@ -208,16 +219,14 @@ fn cube_with_a_point_light() {
 }
 
 /// NUMERICS 2: within a sphere the form factors are those of area alone, so that what was scattered once by a wall lights all of it
-/// alike, wherever the light stands: r / (1 - r) times the mean.
+/// alike, wherever the light stands: r / (1 - r) times the mean. Rounds that leave light in its layer lose 98 % of it.
 #[test]
 fn inside_a_sphere() {
     let (radius, r, intensity) = (2.0, 0.6, 3.0);
     let mut builder = SceneBuilder::new("sphere");
     let wall = builder.matte([r as f32; 3]);
     builder.sphere(0, "wall", DVec3::ZERO, radius, wall);
-    builder
-        .lamps
-        .push(lumbre::scene::light::Lamp::Point { position: DVec3::new(0.9, -0.4, 0.5), intensity: [intensity; 3] });
+    builder.lamps.push(Lamp::Point { position: DVec3::new(0.9, -0.4, 0.5), intensity: [intensity; 3] });
     builder.cameras.push(Camera::look_at(DVec3::new(-0.3, 0.2, 0.1), DVec3::X, DVec3::Y, 100.0).unwrap());
     let scene = builder.finish().unwrap();
     // Irradiance straight from the light is I / R^2 in the mean, and what follows is r / (1 - r) times that; radiance r / pi of it.
@@ -236,12 +245,13 @@ fn inside_a_sphere() {
     });
 }
 
-/// The energy of the Cornell box is that of `path`, whatever is shown, by either solver and on every backend.
+/// The energy of the Cornell box is that of `path`, whatever is shown, by either solver and on every backend. Without the weight of emission
+/// that rays find, it is off by 55 %; with what a ray carries divided by the number of rays instead of its mean, shooting by 4.7 %.
 #[test]
 fn cornell_has_the_energy_of_path() {
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
-        let truth = film(gpu, &scene, "path", 64, 1000, 4096);
+        let truth = film(gpu, &scene, "path", 64, 1000, 2048);
         for technique in [
             "shown=vertices",
             "shown=patches",
@@ -261,30 +271,35 @@ fn cornell_has_the_energy_of_path() {
     });
 }
 
-/// What is shown comes closer to `path` as patches shrink, pixel by pixel.
+/// What is shown of scattered light comes closer to `path` as patches shrink, pixel by pixel.
 #[test]
 fn the_error_falls_with_the_size_of_patches() {
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
-        let truth = film(gpu, &scene, "path", 64, 1000, 8192).mean();
+        let scattered = |technique: &str, spp: u32| {
+            let settings =
+                Settings { width: 64, height: 64, lengths: 2, seed: spp, ..settings(&scene, technique, Backend::Bvh) };
+            render(gpu, &scene, &settings, spp).length(1)
+        };
+        let truth = scattered("path", 4096);
         for shown in ["vertices", "patches"] {
             let errors = [4, 16, 64].map(|patches| {
-                let rays = 4096 / (patches * patches);
-                let technique = format!("radiosity:shown={shown}:patches={patches}:rays={}", rays.max(4));
-                compare(&film(gpu, &scene, &technique, 64, 1, 128).mean(), &truth).unwrap().relmse
+                let rays = (4096 / (patches * patches)).max(8);
+                let technique = format!("radiosity:shown={shown}:patches={patches}:rays={rays}");
+                compare(&scattered(&technique, 128), &truth).unwrap().relmse
             });
             println!("relMSE by {shown} on 4, 16 and 64 patches: {errors:.5?}");
-            assert!(errors.is_sorted_by(|a, b| *b < 0.7 * *a), "{shown}: {errors:?}");
+            assert!(errors.is_sorted_by(|a, b| *b < 0.5 * *a), "{shown}: {errors:?}");
         }
     });
 }
 
-/// Layers by path length are those of `path`, and paths end where they have to.
+/// Layers by path length are those of `path`, and paths end where they have to. Rounds that leave light in its layer give 136 % too much.
 #[test]
 fn lengths_are_those_of_path() {
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
-        for max_depth in [Some(1), Some(2), Some(3), Some(5), None] {
+        for max_depth in [Some(1), Some(3), None] {
             let film = |technique: &str, spp: u32| {
                 let settings = Settings {
                     width: 48,
@@ -296,7 +311,7 @@ fn lengths_are_those_of_path() {
                 render(gpu, &scene, &settings, spp)
             };
             let truth = film("path", 2048);
-            for technique in ["radiosity", "radiosity:shown=gathered", "radiosity:solver=shoot:rays=8"] {
+            for technique in ["radiosity:shown=gathered", "radiosity:solver=shoot:rays=8"] {
                 let found = film(technique, 128);
                 for layer in 0..6 {
                     let (found, truth) = (found.length(layer).average()[0], truth.length(layer).average()[0]);
@@ -317,7 +332,7 @@ fn lengths_are_those_of_path() {
 fn repeats_are_equal_to_the_bit() {
     let scene = canon("cornell.xml", &[("size", "40")]);
     with_gpu(|gpu| {
-        for technique in ["", ":shown=gathered", ":solver=shoot", ":adaptive=0.2", ":solver=shoot:shown=patches"] {
+        for technique in ["", ":shown=gathered:adaptive=0.2", ":solver=shoot:shown=patches"] {
             for backend in backends(gpu) {
                 let settings = settings(&scene, &format!("radiosity{technique}"), backend);
                 let whole = render(gpu, &scene, &settings, 8);
@@ -386,7 +401,7 @@ fn every_light() {
             let scene = mitsuba(&[camera, &room(matte, matte), light].concat());
             assert_eq!(Technique::parse("radiosity").unwrap().simplifies(&scene), None);
             let truth = film(gpu, &scene, "path", 64, 1000, 1024);
-            for technique in ["patches=48", "shown=gathered", "solver=shoot:patches=48:rays=4"] {
+            for technique in ["shown=gathered", "solver=shoot:patches=48:rays=4"] {
                 let found = film(gpu, &scene, &format!("radiosity:{technique}"), 64, 1, 128);
                 assert_off(&format!("{name}, radiosity:{technique}"), off(&found, &truth), 0.01);
             }
