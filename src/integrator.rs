@@ -448,6 +448,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         passes: &[
             pass_with("primary", Over::Pixels, "form", "primary"),
             pass_with("multiplexed", Over::Pixels, "form", "multiplexed"),
+            pass_with("paths", Over::Pixels, "form", "paths"),
             RESOLVE,
         ],
         solves: Solves::Everything,
@@ -461,10 +462,15 @@ pub const INTEGRATORS: &[Integrator] = &[
         parameters: &[
             Parameter {
                 name: "form",
-                about: "what is mutated: primary, the random numbers of path; multiplexed, those of one strategy of bdpt at a time",
-                values: Values::Choice(&["primary", "multiplexed"]),
+                about: "what is mutated: primary, the random numbers of path; multiplexed, those of one strategy of bdpt at a time; paths, \
+                        the vertices of paths of up to 32 segments",
+                values: Values::Choice(&["primary", "multiplexed", "paths"]),
                 biased: None,
-                misses: &[("primary", Missing::DeltaCaustics), ("multiplexed", Missing::HiddenDeltaCaustics)],
+                misses: &[
+                    ("primary", Missing::DeltaCaustics),
+                    ("multiplexed", Missing::HiddenDeltaCaustics),
+                    ("paths", Missing::HiddenDeltaCaustics),
+                ],
             },
             Parameter {
                 name: "large-step",

@@ -1,8 +1,9 @@
-// `mlt`: Metropolis light transport on random numbers. Markov chains visit paths in proportion to what they bring, by changing the
-// numbers that a path was made of: a path that was hard to find is followed by its neighbours.
+// `mlt`: Metropolis light transport. Markov chains visit paths in proportion to what they bring, by changing the path that they are at, or
+// the random numbers that it was made of: a path that was hard to find is followed by its neighbours.
 //
 // Form `primary` makes paths as `path` does (Kelemen et al. 2002, primary sample space); form `multiplexed` makes one of a given length
-// by one strategy of bidirectional path tracing at a time (Hachisuka et al. 2014). Consistent: the mean over all paths, which each visit
+// by one strategy of bidirectional path tracing at a time (Hachisuka et al. 2014); form `paths` mutates the vertices of paths themselves
+// (Veach and Guibas 1997). Consistent: the mean over all paths, which each visit
 // brings, is estimated beside them.
 //
 // Frames of no samples make the paths that chains may begin with; the host chooses among them.
@@ -16,13 +17,34 @@
 #else
 #include "trace/backend.glsl"
 
+// Each form says what is on its way (Walk), and of that at its end: `walk_share`, by which what it brings stands for its like; `walk_ratio`, of
+// what speaks for it to what speaks for the current path; `walk_kind` of its length; and `walk_known`, which the chain is to know of it.
+#ifdef PASS_PATHS
+#include "lib/path_mutations.glsl"
+struct Walk {
+    Mutation mutation;
+    vec2 position;
+    float share, ratio;
+};
+bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return mutation_open(p, room, e, w.mutation); }
+bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
+    bool goes_on = mutation_follow(w.mutation, p, e, w.share, w.ratio);
+    w.position = w.mutation.position;
+    return goes_on;
+}
+float walk_share(Walk w) { return w.share; }
+float walk_ratio(Walk w, Proposal p, float proposed) { return w.ratio; }
+uint walk_kind(Walk w, Proposal p) { return w.mutation.route.segments - 1u; }
+uint walk_known(Walk w) { return w.mutation.route.slot; }
+void walk_keep(Walk w, Proposal p, uint chain) {} // its vertices are in place
+#else
 #ifdef PASS_PRIMARY
 #include "lib/primary.glsl"
 #define Walk Primary
-#define walk_begin primary_begin
-#define walk_extend primary_extend
+#define numbers_begin primary_begin
+#define numbers_extend primary_extend
 #define walk_share primary_share
-#define walk_used primary_used
+#define walk_known primary_used
 #else
 const bool CONNECTS = true;
 const bool MEETS_LENS = false;
@@ -30,10 +52,16 @@ const bool MERGES = false;
 const bool MERGES_FIRST = false;
 #include "lib/multiplexed.glsl"
 #define Walk Multiplexed
-#define walk_begin multiplexed_begin
-#define walk_extend multiplexed_extend
+#define numbers_begin multiplexed_begin
+#define numbers_extend multiplexed_extend
 #define walk_share multiplexed_share
-#define walk_used multiplexed_used
+#define walk_known multiplexed_used
+#endif
+bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return numbers_begin(p.random, p.kind, e, w); }
+bool walk_extend(inout Walk w, Proposal p, inout Estimate e) { return numbers_extend(w, e); }
+float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
+uint walk_kind(Walk w, Proposal p) { return p.kind; }
+void walk_keep(Walk w, Proposal p, uint chain) { keep_numbers(p.random, chain, walk_known(w)); }
 #endif
 
 layout(local_size_x = WORKGROUP) in;
@@ -58,13 +86,20 @@ void main() {
             if (makes_candidate) p = candidate_proposal(place);
             else p = chain_propose(chain, mutation, uintBitsToFloat(PARAM1));
             estimate_clear(e);
-            alive = walk_begin(p.random, p.kind, e, w);
+            alive = walk_begin(p, makes_candidate ? gl_GlobalInvocationID.x : chain, e, w);
         }
-        if (alive) alive = walk_extend(w, e);
+        if (alive) alive = walk_extend(w, p, e);
         if (!alive) {
+            p.kind = walk_kind(w, p);
             proposal_close(p, w.position, walk_share(w), sample_index, e);
-            if (makes_candidate) candidate_at(place).candidate = Candidate(brings(e.radiance), p.kind);
-            else if (chain_decide(chain, mutation, p, w.position, walk_used(w), sample_index, e)) done += 1u;
+            if (makes_candidate) {
+                candidate_at(place).candidate = Candidate(brings(e.radiance), p.kind);
+            } else {
+                float ratio = walk_ratio(w, p, brings(e.radiance));
+                Decision d = chain_decide(chain, mutation, p, w.position, walk_known(w), ratio, sample_index, e);
+                if (d.accepted) walk_keep(w, p, chain);
+                if (d.mutated) done += 1u;
+            }
             if (makes_candidate || done == table.mutations) {
                 done = 0u;
                 sample_index += 1u;

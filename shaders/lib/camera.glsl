@@ -34,19 +34,25 @@ float filter_offset(float u, inout float weight) {
     return x;
 }
 
-// The ray through the image at `position`, in pixels from the upper left corner; `u` chooses the point on a lens.
-Ray camera_ray(vec2 position, vec2 u) {
+// A point of the lens, from its middle; nothing of other cameras, which have none.
+vec3 lens_shift(vec2 u) {
+    if (CAMERA != CAMERA_THIN_LENS) return vec3(0.0);
+    vec2 lens = sample_disk(u);
+    return lens.x * scene.lens_x + lens.y * scene.lens_y;
+}
+
+// The ray through the image at `position`, in pixels from the upper left corner, from a point of the lens.
+Ray camera_ray_from(vec3 shift, vec2 position) {
     vec3 d = scene.camera_corner + position.x * scene.camera_dx + position.y * scene.camera_dy;
-    if (CAMERA == CAMERA_THIN_LENS) {
-        // Every ray of a pixel meets the plane of focus in the same point.
-        vec2 lens = sample_disk(u);
-        vec3 shift = lens.x * scene.lens_x + lens.y * scene.lens_y;
-        return Ray(scene.camera_origin + shift, normalize(scene.focus * d - shift), INFINITY);
-    }
+    // Every ray of a pixel meets the plane of focus in the same point.
+    if (CAMERA == CAMERA_THIN_LENS) return Ray(scene.camera_origin + shift, normalize(scene.focus * d - shift), INFINITY);
     if (CAMERA == CAMERA_ORTHOGRAPHIC)
         return Ray(scene.camera_origin + position.x * scene.lens_x + position.y * scene.lens_y, scene.camera_corner, INFINITY);
     return Ray(scene.camera_origin, normalize(d), INFINITY);
 }
+
+// The same; `u` chooses the point.
+Ray camera_ray(vec2 position, vec2 u) { return camera_ray_from(lens_shift(u), position); }
 
 // How the camera sees a point: the other way round, for paths from the lights.
 struct CameraView {
@@ -101,8 +107,8 @@ bool lens_hit(Ray ray, float end, out vec2 position, out float t) {
     return dot(shift, shift) <= dot(scene.lens_x, scene.lens_x) && image_position(shift, -ray.direction, position);
 }
 
-// `u` chooses the point on a lens.
-CameraView camera_view(vec3 p, vec2 u) {
+// As seen from a point of the lens.
+CameraView camera_view_from(vec3 shift, vec3 p) {
     CameraView v;
     v.target = scene.camera_origin;
     if (CAMERA == CAMERA_ORTHOGRAPHIC) {
@@ -119,11 +125,6 @@ CameraView camera_view(vec3 p, vec2 u) {
         v.importance = camera_importance(c);
         return v;
     }
-    vec3 shift = vec3(0.0);
-    if (CAMERA == CAMERA_THIN_LENS) {
-        vec2 lens = sample_disk(u);
-        shift = lens.x * scene.lens_x + lens.y * scene.lens_y;
-    }
     v.target = scene.camera_origin + shift;
     vec3 w = p - v.target;
     v.visible = image_position(shift, w, v.position);
@@ -133,6 +134,9 @@ CameraView camera_view(vec3 p, vec2 u) {
     v.importance = camera_importance(-v.direction);
     return v;
 }
+
+// The same; `u` chooses the point.
+CameraView camera_view(vec3 p, vec2 u) { return camera_view_from(lens_shift(u), p); }
 
 // A pixel that a position in the image belongs to, chosen by the filter's absolute value at it, along one axis; multiplies `weight`
 // so that each pixel gets the filter's value in the mean.

@@ -59,13 +59,19 @@ vec4 next4(inout Sampler s) {
 }
 
 // Makes `count` blocks from `first` on, as this proposal drew them, those of the chain.
-void keep_numbers(Sampler s, uint chain, uint first, uint count) {
+void keep_blocks(Sampler s, uint chain, uint first, uint count) {
     s.dimension = first;
     for (uint i = 0u; i < count; i++) {
         Numbers place;
         if (!block_place(chain, s.dimension, place)) return;
         place.block = next4(s);
     }
+}
+
+// The same of all that the path has used: of the camera's in the lower half of `used`, of the light's in the upper one.
+void keep_numbers(Sampler s, uint chain, uint used) {
+    keep_blocks(s, chain, 0u, used & 0xffffu);
+    keep_blocks(s, chain, LIGHT_DIMENSION, used >> 16u);
 }
 
 // What belongs to a proposal as a whole: whether it is a large step, whether it is accepted, and which pixel takes it.

@@ -24,6 +24,8 @@ struct Proposal {
     Sampler random; // at its beginning
     uint kind;      // of length
     bool large;     // nothing of the current path is in it
+    bool candidate; // for a chain to begin with
+    Chain from;     // the chain that it is proposed to
 };
 
 // Probability that a path has the first `count` kinds of length.
@@ -39,18 +41,20 @@ uint length_of(float u) {
 
 // The candidate as a path.
 Proposal candidate_proposal(uint index) {
-    Proposal p = Proposal(Sampler(index, 0u, 0u, 0u), 0u, true);
-    p.kind = length_of(decisions(index, 0u).x);
-    return p;
+    Chain none;
+    none.known = NONE;
+    none.position = vec2(0.0);
+    none.kind = 0u;
+    return Proposal(Sampler(index, 0u, 0u, 0u), length_of(decisions(index, 0u).x), true, true, none);
 }
 
 // The chain's next proposal: its first one is the candidate that it begins with.
 Proposal chain_propose(uint index, uint mutation, float large_step) {
     Chain c = chain_at(index).chain;
-    if (c.known == NONE) return Proposal(Sampler(c.candidate, 0u, 0u, 0u), c.kind, true);
+    if (c.known == NONE) return Proposal(Sampler(c.candidate, 0u, 0u, 0u), c.kind, true, false, c);
     vec4 u = decisions(index, mutation);
     bool large = u.x < large_step;
-    return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? length_of(u.w) : c.kind, large);
+    return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? length_of(u.w) : c.kind, large, false, c);
 }
 
 // What a path brings, as the chains see it.
@@ -92,15 +96,20 @@ void visit_splat(vec2 position, vec2 u, float probability, float brought, uint s
     }
 }
 
-// Decides on a proposal that has been followed to its end: adds both paths to the film and moves the chain. `used` are the blocks of
-// numbers of the proposed path, as `Chain.known` has them. Returns false for the candidate that the chain began with, which is no mutation.
-bool chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint used, uint sample_index, Estimate e) {
-    Chains at = chain_at(index);
-    Chain c = at.chain;
+// What became of a proposal.
+struct Decision {
+    bool mutated;  // it was a mutation: the candidate that a chain begins with is none
+    bool accepted;
+};
+
+// Decides on a proposal that has been followed to its end: adds both paths to the film and moves the chain. `ratio` of what speaks for it
+// to what speaks for the current path (Metropolis et al. 1953, Hastings 1970); `used` is what the chain is to know of it.
+Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint used, float ratio, uint sample_index, Estimate e) {
+    Chain c = p.from;
     bool begins = c.known == NONE;
     float proposed = brings(e.radiance);
     vec4 u = decisions(index, mutation);
-    float acceptance = begins || proposed >= c.brings ? 1.0 : proposed / c.brings;
+    float acceptance = begins || ratio >= 1.0 ? 1.0 : ratio;
     if (!begins) {
         vec4 pixels = uniform4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)));
         visit_splat(position, pixels.xy, acceptance, proposed, sample_index, e);
@@ -116,15 +125,14 @@ bool chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint use
             c.large_steps += 1u;
         }
     }
-    if (u.y < acceptance) {
-        keep_numbers(p.random, index, 0u, used & 0xffffu);
-        keep_numbers(p.random, index, LIGHT_DIMENSION, used >> 16u);
+    bool accepted = u.y < acceptance;
+    if (accepted) {
         for (uint i = 0u; i < splat_layers(); i++) value_at(index, i).value = layer_value(e, i);
         c.kind = p.kind;
         c.known = used;
         c.brings = proposed;
         c.position = position;
     }
-    at.chain = c;
-    return !begins;
+    chain_at(index).chain = c;
+    return Decision(!begins, accepted);
 }

@@ -41,6 +41,21 @@ vec3 light_space(Light light, vec3 w) {
 #include "lights/directional.glsl"
 #include "lights/background.glsl"
 
+const bool HAS_DELTA_LIGHTS = HAS_POINT_LIGHTS || HAS_SPOT_LIGHTS || HAS_PROJECTORS || HAS_DIRECTIONAL_LIGHTS;
+
+// It has no extent, or no spread of directions: no path from elsewhere runs into it.
+bool is_delta_light(Light light) { return light.kind != LIGHT_TRIANGLE && light.kind != LIGHT_SPHERE; }
+
+// Such a light as seen from a point: there is one way only.
+LightSample delta_light_sample(Light light, vec3 p) {
+    LightSample s = no_light();
+    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
+    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
+    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) s = projector_light_sample(light, p);
+    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light, p);
+    return s;
+}
+
 // A sample of one light, chosen from the background, the alias table or the tree by u.xy, then sampled by u.zw.
 LightSample light_sample(Receiver r, vec4 u) {
     vec3 p = r.position;
@@ -69,10 +84,7 @@ LightSample light_sample(Receiver r, vec4 u) {
     LightSample s = no_light();
     if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_sample(light, p, u.zw);
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
-    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
-    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
-    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) s = projector_light_sample(light, p);
-    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light, p);
+    if (HAS_DELTA_LIGHTS && is_delta_light(light)) s = delta_light_sample(light, p);
     return s;
 }
 

@@ -22,6 +22,10 @@ const FIRST_BLOCKS: u64 = 2;
 const VERTEX_BLOCKS: u64 = 2;
 /// The most vertices of a part of a path whose numbers are kept: those of later ones are drawn anew by each proposal.
 const MOST_VERTICES: u64 = 24;
+/// The longest paths of chains that keep vertices, in segments, and the bytes of a vertex (`PATH_VERTEX_BYTES` in
+/// `shaders/lib/path_vertices.glsl`). Chains keep two paths: the current one and the proposal.
+const MOST_SEGMENTS: u64 = 32;
+const VERTEX_BYTES: u64 = 76;
 /// Of large steps, the share that goes to all kinds of length alike.
 const ALIKE: f64 = 0.1;
 
@@ -39,6 +43,8 @@ pub(super) struct ChainSize {
     /// Blocks of numbers that a chain has room for, of the camera's and of the lights' paths.
     pub camera_blocks: u64,
     pub light_blocks: u64,
+    /// Vertices of paths that a chain has room for, where it keeps those instead.
+    pub vertices: u64,
     /// Layers of what its path brings.
     layers: u64,
     /// Kinds of length; the last one may be all longer ones.
@@ -53,16 +59,22 @@ impl ChainSize {
         }
         let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0) as u64;
         let depth = u64::from(settings.max_depth.unwrap_or(u32::MAX));
-        let multiplexed = technique.value("form") == Some("multiplexed");
-        let blocks = FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(MOST_VERTICES);
+        let blocks = |vertices: u64| FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(vertices);
         let longest = u64::from(BIDIRECTIONAL_LENGTH);
-        let mut size = Self {
-            camera_blocks: blocks,
-            light_blocks: if multiplexed { FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(longest) } else { 0 },
-            layers: u64::from(settings.layers().max(1)),
-            kinds: if multiplexed { depth.clamp(1, longest + 1) } else { 1 },
-            ..Self::default()
+        let mut size = match technique.value("form") {
+            Some("multiplexed") => Self {
+                camera_blocks: blocks(MOST_VERTICES),
+                light_blocks: blocks(longest),
+                kinds: depth.clamp(1, longest + 1),
+                ..Self::default()
+            },
+            Some("paths") => {
+                let kinds = depth.clamp(1, MOST_SEGMENTS);
+                Self { kinds, vertices: 2 * (kinds + 1), ..Self::default() }
+            }
+            _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
+        size.layers = u64::from(settings.layers().max(1));
         let all = slots(settings.width, settings.height);
         let workgroup = u64::from(WORKGROUP);
         let asked = number("chains");
@@ -84,7 +96,7 @@ impl ChainSize {
     }
 
     fn number_bytes_of_chain(&self) -> u64 {
-        16 * (self.camera_blocks + self.light_blocks)
+        16 * (self.camera_blocks + self.light_blocks) + VERTEX_BYTES * self.vertices
     }
 
     fn value_bytes_of_chain(&self) -> u64 {
@@ -94,13 +106,13 @@ impl ChainSize {
     /// Bytes of the chains with what their paths bring, of their numbers, and of the candidates.
     pub fn bytes(&self) -> [(&'static str, u64); 3] {
         if self.chains == 0 {
-            return [("chains", 0), ("numbers of chains", 0), ("candidates", 0)];
+            return [("chains", 0), ("paths of chains", 0), ("candidates", 0)];
         }
         let states = self.chains * (size_of::<Chain>() as u64 + self.value_bytes_of_chain());
         let table = size_of::<ChainTable>() as u64 + 4 * self.kinds;
         [
             ("chains", states + table),
-            ("numbers of chains", self.chains * self.number_bytes_of_chain()),
+            ("paths of chains", self.chains * self.number_bytes_of_chain()),
             ("candidates", self.candidates * size_of::<Candidate>() as u64),
         ]
     }
@@ -138,7 +150,7 @@ impl Chains {
             lengths: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
             states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
             values: Buffer::zeroed(gpu, "chains", size.chains * size.value_bytes_of_chain())?,
-            numbers: Buffer::new(gpu, "numbers of chains", number_bytes)?,
+            numbers: Buffer::new(gpu, "paths of chains", number_bytes)?,
             candidates: Buffer::new(gpu, "candidates", candidate_bytes)?,
             made: 0,
             capacity: frames::FIRST,
@@ -164,7 +176,9 @@ impl Chains {
     /// The next candidates to make: the first one, and how many; nothing where they are all there.
     pub fn missing(&self) -> Option<(u32, u32)> {
         let left = self.size.candidates - self.made;
-        (left > 0).then(|| (self.made as u32, self.capacity.min(left) as u32))
+        // Vertices of candidates are made in the room of a chain each.
+        let room = if self.size.vertices > 0 { self.size.chains } else { left };
+        (left > 0).then(|| (self.made as u32, self.capacity.min(left).min(room) as u32))
     }
 
     /// Takes note of candidates that were made; chooses among them once all are there.
