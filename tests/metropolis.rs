@@ -15,7 +15,7 @@ use lumbre::metrics::stats::Estimate;
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
 
-const FORMS: [&str; 2] = ["mlt:form=primary", "mlt:form=multiplexed"];
+const FORMS: [&str; 3] = ["mlt:form=primary", "mlt:form=multiplexed", "mlt:form=paths"];
 const SIZE: u32 = 48;
 const TILE: u32 = 16;
 

@@ -315,7 +315,7 @@ bool mutation_open(Proposal p, uint room, inout Estimate e, out Mutation m) {
 bool mutation_join_camera(inout Mutation m) {
     if (m.route.joined != 0u) return true;
     PathVertex x = route_vertex(m.route, 1u);
-    if (is_distant(x)) return false;
+    if (is_distant(x) || is_alone(x)) return false;
     CameraView view = camera_view_from(route_vertex(m.route, 0u).position - scene.camera_origin, x.position);
     m.position = view.position;
     if (!view.visible || !inside_image(view.position)) return false;

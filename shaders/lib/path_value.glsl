@@ -83,6 +83,7 @@ vec3 path_value(inout Route r, inout uint rays) {
             vec3 local = vertex_to_local(v, onwards);
             x.arriving = abs(dot(direction, v.at.normal));
             x.leaving = abs(dot(onwards, v.at.normal));
+            if (x.arriving == 0.0 || x.leaving == 0.0) return vec3(0.0);
             if (scatters_by_delta(x)) {
                 random = vertex_random(x, SCATTER_NUMBERS);
                 BsdfSample s = vertex_sample(v, b, ray, next4(random).xyz);
@@ -141,7 +142,7 @@ float density_from_light(Route r, uint i) {
 bool joinable(Route r, uint i) {
     if (i == r.segments) return !is_alone(route_vertex(r, i));
     if (i > 0u && scatters_by_delta(route_vertex(r, i))) return false;
-    if (i + 1u == r.segments) return i > 0u || !is_distant(route_vertex(r, 1u)) && !is_alone(route_vertex(r, 1u));
+    if (i + 1u == r.segments) return i > 0u || vertex_kind(route_vertex(r, 1u)) == VERTEX_SURFACE || vertex_kind(route_vertex(r, 1u)) == VERTEX_AREA;
     return !scatters_by_delta(route_vertex(r, i + 1u));
 }
 
