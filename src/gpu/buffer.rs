@@ -87,6 +87,9 @@ impl Buffer {
         if size > max {
             return Err(out_of_memory(format!("; one allocation may have {} on this device", Bytes(max))));
         }
+        if gpu.shared.fault.refuses_buffer() {
+            return Err(out_of_memory(String::from(" (asked for by a test)")));
+        }
         let usage = usage
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::TRANSFER_SRC

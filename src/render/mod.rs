@@ -104,6 +104,10 @@ impl Renderer {
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         settings.check(gpu)?;
         memory::check(gpu, scene, settings)?;
+        Self::build(gpu, scene, settings, watch).map_err(|error| memory::advise(gpu, scene, settings, error))
+    }
+
+    fn build(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let row = settings.technique.row;
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
         let mut passes: Vec<(Pass, Kernel)> = Vec::new();
@@ -211,6 +215,8 @@ impl Renderer {
         // Between passes it holds nothing: splats are zero, and light paths are made anew.
         if !self.plan.is_between_passes() {
             self.scratch.transfer(state)?;
+        } else if state.restores() {
+            self.scratch.splats.clear()?;
         }
         if let Some(chains) = &mut self.chains {
             chains.transfer(state)?;
