@@ -217,7 +217,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     // Should it fail, the image is still to be written.
     let kept = keeper.save(&mut renderer, seconds, next_look);
 
-    let film = renderer.film()?;
+    let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
     let picture = report::picture(&film, &result, &args.aov);
     write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
@@ -227,7 +227,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         report::print_summary(&result, &film, &job.outputs, interrupted.load(Ordering::Relaxed));
     }
-    kept?;
+    kept.map_err(|error| keeper.explain(error))?;
     DeviceArgs::report_validation(&gpu)
 }
 

@@ -112,21 +112,18 @@ impl Keeper {
         if !matches!(error, Error::DeviceLost { .. } | Error::OutOfMemory { .. } | Error::Vulkan { .. }) {
             return error;
         }
-        let kept = match (&self.files, self.kept) {
-            (None, _) => String::from("nothing of the rendering is left; --checkpoint FILE would have kept it"),
-            (Some(files), None) => {
+        let kept = match &self.files {
+            None => String::from("nothing of the rendering is left; --checkpoint FILE would have kept it"),
+            Some(files) => self.kept().unwrap_or_else(|| {
                 format!("there was no checkpoint yet in {}: the rendering begins anew", files.path().display())
-            }
-            (Some(files), Some(spp)) => {
-                format!("{} keeps {spp} spp: the same command with --resume goes on from there", files.path().display())
-            }
+            }),
         };
         Error::Stopped { cause: Box::new(error), kept }
     }
 
-    /// Where the rendering is kept, for messages; nothing where it is not.
-    pub fn kept_in(&self) -> Option<String> {
-        let files = self.files.as_ref().filter(|_| self.kept.is_some())?;
-        Some(files.path().display().to_string())
+    /// What the last checkpoint keeps, and how to go on; nothing where there is none.
+    pub fn kept(&self) -> Option<String> {
+        let (path, spp) = (self.files.as_ref()?.path().display(), self.kept?);
+        Some(format!("{path} keeps {spp} spp: the same command with --resume goes on from there"))
     }
 }

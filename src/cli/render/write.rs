@@ -21,10 +21,7 @@ pub(super) fn write_outputs(outputs: &[PathBuf], film: &Film, picture: &Picture,
         }
     }
     let Some(cause) = first else { return Ok(()) };
-    let kept = match keeper.kept_in() {
-        Some(file) => format!("{file} keeps the rendering: the same command with --resume writes it"),
-        None => rescue(picture),
-    };
+    let kept = keeper.kept().unwrap_or_else(|| rescue(picture));
     Err(Error::Stopped { cause: Box::new(cause), kept })
 }
 
