@@ -87,7 +87,6 @@ fn layers_forms_and_seeds_go_on_as_well() {
         let cases = [
             ("path by length", Settings { lengths: 3, ..of("path") }),
             ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),
-            ("path, not specialised", Settings { specialise: false, ..of("path") }),
             ("bdpt by length", Settings { lengths: 3, ..of("bdpt") }),
             ("bdpt by strategy", strategies("bdpt")),
             ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128") }),
