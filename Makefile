@@ -11,7 +11,7 @@ export LUMBRE_TEST_BACKENDS ?= all
 # Where set-up has brought Chromium, the test of the report must find it.
 BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
 
-.PHONY: demo build test quick bench lecture clean
+.PHONY: demo build test quick bench lecture soak clean
 
 demo: build
 	@mkdir -p out
@@ -42,6 +42,11 @@ bench: build
 # Every comparison of the lecture, measured here: out/lecture/index.html. Goes on where it was interrupted.
 lecture: build
 	$(LUMBRE) lecture -o out/lecture
+
+# An hour of scenes and settings that chance chooses, with validation on: nothing may stay behind.
+soak:
+	@.ci/setup test
+	LUMBRE_SOAK_SECONDS=$${LUMBRE_SOAK_SECONDS-3600} $(CARGO) test --test soak -- --nocapture
 
 clean:
 	$(CARGO) clean

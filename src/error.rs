@@ -77,6 +77,15 @@ pub enum Error {
         work: String,
     },
 
+    /// A rendering ended before its time; what is left of it.
+    #[error("{cause}; {kept}")]
+    Stopped {
+        /// What ended it.
+        cause: Box<Error>,
+        /// What is kept, and how to go on.
+        kept: String,
+    },
+
     /// The user stopped it; the text says what is kept.
     #[error("interrupted: {0}")]
     Interrupted(String),

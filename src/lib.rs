@@ -39,6 +39,7 @@
 pub mod backend;
 pub mod bench;
 pub mod bvh;
+pub mod checkpoint;
 pub mod error;
 pub mod film;
 pub mod gpu;

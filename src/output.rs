@@ -90,12 +90,17 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn WriteSeek) -> Resul
 pub trait WriteSeek: Write + Seek {}
 impl<T: Write + Seek> WriteSeek for T {}
 
-fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile> {
-    use std::os::unix::fs::PermissionsExt;
-    let folder = match path.parent() {
+/// The folder that a file lies in.
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
         Some(folder) if folder != Path::new("") => folder.to_owned(),
         _ => PathBuf::from("."),
-    };
+    }
+}
+
+fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder_of(path);
     tempfile::Builder::new()
         .prefix(".lumbre-")
         .permissions(Permissions::from_mode(0o666)) // less what the umask takes away

@@ -1,8 +1,10 @@
 //! `lumbre render`.
 
+mod keep;
 mod progress;
 mod pyramid;
 mod report;
+mod write;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,13 +17,14 @@ use serde::Serialize;
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
 use lumbre::integrator::Kept;
-use lumbre::output::{Format, Picture, check_writable, format_of, replace_file, write_picture};
+use lumbre::output::{Format, check_writable, format_of, replace_file};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
 use lumbre::strategies::LONGEST;
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
+use keep::Keeper;
 use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.
@@ -105,6 +108,18 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 
+    /// Keep the rendering in this file, so that --resume can go on if it ends before its time; the one before it is FILE.previous
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+
+    /// Seconds between two checkpoints
+    #[arg(long, value_name = "SECONDS", default_value_t = keep::INTERVAL, requires = "checkpoint", value_parser = parse_positive, allow_negative_numbers = true)]
+    checkpoint_interval: f64,
+
+    /// Go on from the checkpoint, to the same bits as if nothing had happened; begin anew where there is none yet
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+
     /// Compile everything there is into the kernel instead of what the scene needs: the same bits, to see what that buys
     #[arg(long)]
     no_specialise: bool,
@@ -173,7 +188,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         print_warnings(&scene);
     }
     let gpu = args.device.open()?;
-    let (settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
+    let (mut settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
     if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
         eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
@@ -185,47 +200,68 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         );
     }
 
+    let checkpoint = args.checkpoint.as_deref();
+    let parts = (&scene, &mut settings, &gpu);
+    let mut keeper = Keeper::new(checkpoint, args.checkpoint_interval, args.resume, args.quiet, parts)?;
+
     gpu.reset_peak();
     let building = BuildProgress::new(args.quiet);
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
     building.finish();
     let mut renderer = built?;
     let mut progress = Progress::new(args.quiet, &job);
-    let rendering = Instant::now();
-    let mut target = args.error.map(ErrorTarget::new);
-    loop {
-        renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
-        let more = renderer.spp() < job.spp;
-        let seconds = rendering.elapsed().as_secs_f64();
-        progress.update(&renderer, seconds);
-        if !more || interrupted.load(Ordering::Relaxed) || job.time.is_some_and(|limit| seconds >= limit) {
-            break;
-        }
-        if let Some(target) = &mut target
-            && target.is_reached(&renderer)?
-        {
-            break;
-        }
-    }
+    let target = args.error.map(ErrorTarget::new);
+    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress);
     progress.finish();
+    let (seconds, next_look) = done.map_err(|error| keeper.explain(error))?;
+    // Should it fail, the image is still to be written.
+    let kept = keeper.save(&mut renderer, seconds, next_look);
 
-    let film = renderer.film()?;
+    let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
     let picture = report::picture(&film, &result, &args.aov);
-    for path in &job.outputs {
-        let pyramid = if format_of(path)? == Format::Png { pyramid::pyramid(&film) } else { None };
-        match pyramid {
-            Some(image) => write_picture(path, &Picture { image, layers: Vec::new(), header: Vec::new() })?,
-            None => write_picture(path, &picture)?,
-        }
-    }
+    write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
         report::print_summary(&result, &film, &job.outputs, interrupted.load(Ordering::Relaxed));
     }
+    kept.map_err(|error| keeper.explain(error))?;
     DeviceArgs::report_validation(&gpu)
+}
+
+/// Renders until the job is done or the user ends it. Returns the seconds that were spent, those before a checkpoint included, and
+/// where an error is to be looked at next.
+fn iterate(
+    renderer: &mut Renderer,
+    job: &Job,
+    mut target: Option<ErrorTarget>,
+    interrupted: &AtomicBool,
+    keeper: &mut Keeper,
+    progress: &mut Progress,
+) -> Result<(f64, Option<u32>)> {
+    let rendering = Instant::now();
+    let (before, next_look) = keeper.restore(renderer)?;
+    let mut seconds = before;
+    if let (Some(target), Some(next)) = (&mut target, next_look) {
+        *target = target.at(next);
+    }
+    while job.time.is_none_or(|limit| seconds < limit) {
+        renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
+        seconds = before + rendering.elapsed().as_secs_f64();
+        progress.update(renderer, seconds);
+        if renderer.spp() >= job.spp || interrupted.load(Ordering::Relaxed) {
+            break;
+        }
+        if let Some(target) = &mut target
+            && target.is_reached(renderer)?
+        {
+            break;
+        }
+        keeper.offer(renderer, seconds, target.map(|target| target.next()))?;
+    }
+    Ok((seconds, target.map(|target| target.next())))
 }
 
 /// The outputs, each of which can be written.
@@ -238,6 +274,9 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     for path in &outputs {
         format_of(path)?;
         check_writable(path)?;
+    }
+    if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
+        return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
     }
     let has_exr = outputs.iter().any(|path| matches!(format_of(path), Ok(Format::Exr)));
     if !has_exr && (args.lengths.is_some() || !args.aov.is_empty()) {

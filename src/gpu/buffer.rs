@@ -87,6 +87,9 @@ impl Buffer {
         if size > max {
             return Err(out_of_memory(format!("; one allocation may have {} on this device", Bytes(max))));
         }
+        if gpu.shared.fault.refuses_buffer() {
+            return Err(out_of_memory(String::from(" (asked for by a test)")));
+        }
         let usage = usage
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -133,6 +136,11 @@ impl Buffer {
         self.address
     }
 
+    /// What it is called in messages.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Its size in bytes.
     pub fn size(&self) -> u64 {
         self.size
@@ -144,7 +152,7 @@ impl Buffer {
     }
 
     /// Writes `data` from this byte on.
-    fn upload_at(&self, start: u64, data: &[u8]) -> Result<()> {
+    pub fn upload_at(&self, start: u64, data: &[u8]) -> Result<()> {
         self.fill_at(start, data.len() as u64, 1, |offset, bytes| {
             bytes.copy_from_slice(&data[offset as usize..offset as usize + bytes.len()]);
         })
@@ -182,11 +190,16 @@ impl Buffer {
     /// Its first `count` elements.
     pub fn read<T: Pod>(&self, count: usize) -> Result<Vec<T>> {
         let mut out = vec![T::zeroed(); count];
-        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut out);
-        if bytes.is_empty() {
-            return Ok(out);
+        self.read_at(0, bytemuck::cast_slice_mut(&mut out))?;
+        Ok(out)
+    }
+
+    /// Its bytes from this one on, as many as there is room for in `out`.
+    pub fn read_at(&self, start: u64, out: &mut [u8]) -> Result<()> {
+        if out.is_empty() {
+            return Ok(());
         }
-        let chunk = STAGING_BYTES.min(bytes.len() as u64);
+        let chunk = STAGING_BYTES.min(out.len() as u64);
         let mut staging = Self::with_usage(
             &self.gpu,
             "staging for readback",
@@ -194,12 +207,12 @@ impl Buffer {
             vk::BufferUsageFlags::empty(),
             MemoryLocation::GpuToCpu,
         )?;
-        for (index, part) in bytes.chunks_mut(chunk as usize).enumerate() {
-            let region = vk::BufferCopy::default().src_offset(index as u64 * chunk).size(part.len() as u64);
+        for (index, part) in out.chunks_mut(chunk as usize).enumerate() {
+            let region = vk::BufferCopy::default().src_offset(start + index as u64 * chunk).size(part.len() as u64);
             self.gpu.transfer(&format!("readback of '{}'", self.name), self, &staging, region)?;
             part.copy_from_slice(&staging.mapped()?[..part.len()]);
         }
-        Ok(out)
+        Ok(())
     }
 
     /// Sets every byte to zero.

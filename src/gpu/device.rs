@@ -7,6 +7,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
+use super::fault::Fault;
 use super::frame::Submission;
 use super::instance::{Instance, InstanceShared};
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
@@ -51,6 +52,7 @@ pub(super) struct GpuShared {
     in_use: AtomicU64,
     peak: AtomicU64,
     submission: Mutex<Submission>,
+    pub(super) fault: Fault,
     pub(super) instance: Arc<InstanceShared>,
 }
 
@@ -88,6 +90,7 @@ impl Gpu {
     }
 
     fn create(instance: &Instance, survey: Survey) -> Result<Self> {
+        let fault = Fault::from_environment()?;
         let failed = |doing: &str| {
             let doing = format!("{doing} on {}", survey.name);
             move |code: vk::Result| Error::Vulkan { doing: doing.clone(), code: code.to_string() }
@@ -152,6 +155,7 @@ impl Gpu {
                 in_use: AtomicU64::new(0),
                 peak: AtomicU64::new(0),
                 submission: Mutex::new(submission),
+                fault,
                 survey,
                 instance: instance.shared.clone(),
                 raw,

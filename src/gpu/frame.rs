@@ -94,6 +94,18 @@ impl Gpu {
     ///
     /// What is recorded must live for `'a`, which the borrow of `self` makes longer than the submission.
     pub fn run<'a>(&'a self, pass: &str, work: &str, record: impl FnOnce(&mut Commands<'a>)) -> Result<Work> {
+        let is_lost = self.shared.fault.loses_device_at_run();
+        self.submit(pass, work, is_lost, record)
+    }
+
+    /// The same for all work, copies included; where the device `is_lost`, it fails like a driver that says so.
+    fn submit<'a>(
+        &'a self,
+        pass: &str,
+        work: &str,
+        is_lost: bool,
+        record: impl FnOnce(&mut Commands<'a>),
+    ) -> Result<Work> {
         let submission = self.submission();
         let device = &self.shared.raw;
         let lost = |code: vk::Result| match code {
@@ -108,6 +120,9 @@ impl Gpu {
             },
             code => Error::Vulkan { doing: format!("run {pass} ({work})"), code: code.to_string() },
         };
+        if is_lost {
+            return Err(lost(vk::Result::ERROR_DEVICE_LOST));
+        }
         let commands = submission.commands;
         // SAFETY: the mutex in `submission` makes this thread the only user of the queue, pool and command buffer, and the
         // wait below ends before it is released, so recording never meets a buffer in use.
@@ -146,7 +161,8 @@ impl Gpu {
     }
 
     pub(super) fn transfer(&self, what: &str, from: &Buffer, to: &Buffer, region: vk::BufferCopy) -> Result<()> {
-        self.run(what, &format!("{} bytes", region.size), |commands| {
+        let is_lost = self.shared.fault.has_lost_device();
+        self.submit(what, &format!("{} bytes", region.size), is_lost, |commands| {
             commands.barrier();
             // SAFETY: both buffers are alive until the submission is done, and the callers keep the region inside both.
             unsafe { commands.gpu.shared.raw.cmd_copy_buffer(commands.raw, from.raw, to.raw, &[region]) };
@@ -156,7 +172,8 @@ impl Gpu {
     }
 
     pub(super) fn clear(&self, buffer: &Buffer) -> Result<()> {
-        self.run("clearing", &format!("{} bytes", buffer.size()), |commands| commands.clear(buffer))?;
+        let is_lost = self.shared.fault.has_lost_device();
+        self.submit("clearing", &format!("{} bytes", buffer.size()), is_lost, |commands| commands.clear(buffer))?;
         Ok(())
     }
 }

@@ -6,6 +6,7 @@
 pub mod accel;
 mod buffer;
 mod device;
+mod fault;
 mod frame;
 mod instance;
 mod pipeline;

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::frames::{self, slots};
 use super::settings::Settings;
+use super::state::State;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Kept;
@@ -189,6 +190,21 @@ impl Chains {
     }
 
     fn begin(&mut self) -> Result<()> {
+        let candidates = self.take_stock()?;
+        let begun = chosen(&candidates, self.size.chains as usize);
+        let states: Vec<Chain> = begun
+            .map(|candidate| Chain {
+                candidate,
+                kind: candidates[candidate as usize].kind,
+                known: NONE,
+                ..Chain::default()
+            })
+            .collect();
+        self.states.upload(bytemuck::cast_slice(&states))
+    }
+
+    /// What the candidates say of the mean and of the kinds of length; returns them.
+    fn take_stock(&mut self) -> Result<Vec<Candidate>> {
         let candidates: Vec<Candidate> = self.candidates.read(self.size.candidates as usize)?;
         let brings = |candidate: &Candidate| f64::from(candidate.brings);
         self.sums = candidates.iter().map(brings).fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
@@ -201,20 +217,28 @@ impl Chains {
             )));
         }
         let mut shares = vec![0.0; self.size.kinds as usize];
-        candidates.iter().for_each(|candidate| shares[candidate.kind as usize] += brings(candidate));
+        for candidate in &candidates {
+            if let Some(share) = shares.get_mut(candidate.kind as usize) {
+                *share += brings(candidate);
+            }
+        }
         let all = shares.len() as f64;
         shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / self.sums[0]);
         self.describe(&shares, mean)?;
-        let begun = chosen(&candidates, self.size.chains as usize);
-        let states: Vec<Chain> = begun
-            .map(|candidate| Chain {
-                candidate,
-                kind: candidates[candidate as usize].kind,
-                known: NONE,
-                ..Chain::default()
-            })
-            .collect();
-        self.states.upload(bytemuck::cast_slice(&states))
+        Ok(candidates)
+    }
+
+    /// The candidates, and where each chain is. The table follows from the candidates: it holds addresses, which are this process's own.
+    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
+        state.long(&mut self.made)?;
+        state.check(self.made <= self.size.candidates, "a number of candidates")?;
+        for buffer in [&self.candidates, &self.states, &self.values, &self.numbers] {
+            state.buffer(buffer)?;
+        }
+        if state.restores() && self.made == self.size.candidates {
+            self.take_stock()?;
+        }
+        Ok(())
     }
 
     /// Writes the table, with the probability of each kind of length.

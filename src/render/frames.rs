@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::state::State;
+use crate::error::Result;
 use crate::layout::WORKGROUP;
 
 /// What one submission should take.
@@ -114,7 +116,7 @@ impl FramePlan {
 
     /// The next frame, or nothing once all slots have `target` samples.
     pub fn next(&self, target: u32) -> Option<Frame> {
-        let begins = self.stage == 0 && self.cursor == 0;
+        let begins = self.is_between_passes();
         if begins && self.done >= target {
             return None;
         }
@@ -150,6 +152,18 @@ impl FramePlan {
             self.stage = 0;
             self.done += self.pass;
         }
+    }
+
+    /// Whether all slots have the same samples: nothing of a pass is under way.
+    pub fn is_between_passes(&self) -> bool {
+        self.stage == 0 && self.cursor == 0
+    }
+
+    /// How far it is; not what it knows of the speed, which is that of another process.
+    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
+        state.numbers([&mut self.done, &mut self.stage, &mut self.cursor, &mut self.pass])?;
+        let is_whole = self.is_between_passes() || self.pass > 0;
+        state.check(is_whole && self.stage < self.stages && self.cursor < self.slots, "a place among the frames")
     }
 
     pub fn room(&self) -> Room {

@@ -160,6 +160,20 @@ pub(super) fn check(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()>
     Err(Error::Device(format!("{why}; no image is small enough, since the scene alone does not fit")))
 }
 
+/// An error of building a rendering; where the device had no room although its driver had promised it, with what a smaller image takes.
+pub(super) fn advise(gpu: &Gpu, scene: &Scene, settings: &Settings, error: Error) -> Error {
+    let Error::OutOfMemory { what, needs, in_use, limit } = error else { return error };
+    let smaller =
+        Settings { width: settings.width.div_ceil(2), height: settings.height.div_ceil(2), ..settings.clone() };
+    let [all, less] = [settings, &smaller].map(|settings| {
+        Prediction::of(scene, settings, Some(gpu))
+            .map_or(String::from("an unknown size"), |it| Bytes(it.peak).to_string())
+    });
+    let (width, height) = (smaller.width, smaller.height);
+    let limit = format!("{limit}; the rendering takes {all} in all, --size {width}x{height} {less}");
+    Error::OutOfMemory { what, needs, in_use, limit }
+}
+
 /// The same for a kernel that has no film.
 pub(super) fn check_scene(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()> {
     check_instances(gpu, scene, settings)?;

@@ -15,6 +15,7 @@ mod probe;
 mod radiosity;
 mod scratch;
 mod settings;
+mod state;
 mod target;
 mod upload;
 mod watch;
@@ -42,6 +43,7 @@ use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
 use radiosity::Radiosity;
 use scratch::Scratch;
+pub use state::State;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
 pub use watch::{Building, Watch};
@@ -102,6 +104,10 @@ impl Renderer {
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         settings.check(gpu)?;
         memory::check(gpu, scene, settings)?;
+        Self::build(gpu, scene, settings, watch).map_err(|error| memory::advise(gpu, scene, settings, error))
+    }
+
+    fn build(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let row = settings.technique.row;
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
         let mut passes: Vec<(Pass, Kernel)> = Vec::new();
@@ -198,6 +204,36 @@ impl Renderer {
     /// that changes no bit of the film.
     pub fn bound_frames(&mut self, most: u64) {
         self.plan.bound(most);
+    }
+
+    /// Writes down, or takes up again, all that samples to come and the film depend on: what goes on from there has the bits of what
+    /// was never interrupted. It may be under way in any frame. A renderer that failed to take up a state is of no further use.
+    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
+        self.plan.transfer(state)?;
+        state.buffer(&self.film)?;
+        state.buffer(&self.layers)?;
+        // Between passes it holds nothing: splats are zero, and light paths are made anew.
+        if !self.plan.is_between_passes() {
+            self.scratch.transfer(state)?;
+        } else if state.restores() {
+            self.scratch.splats.clear()?;
+        }
+        if let Some(chains) = &mut self.chains {
+            chains.transfer(state)?;
+        }
+        if let Some(radiosity) = &mut self.radiosity {
+            radiosity.transfer(state)?;
+        }
+        state.long(&mut self.rays)?;
+        state.long(&mut self.nonfinite)?;
+        let mut count = self.bad_samples.len() as u32;
+        state.numbers([&mut count])?;
+        state.check(count <= BAD_SAMPLES, "a number of bad samples")?;
+        self.bad_samples.resize(count as usize, BadSample { x: 0, y: 0, sample: 0 });
+        for bad in &mut self.bad_samples {
+            state.numbers([&mut bad.x, &mut bad.y, &mut bad.sample])?;
+        }
+        state.reals([&mut self.seconds.render, &mut self.seconds.device])
     }
 
     /// What the patches came to, where there are any.

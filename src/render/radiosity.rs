@@ -8,6 +8,7 @@ use std::time::Duration;
 use super::frames::FRAME;
 use super::patch_report::PatchReport;
 use super::settings::Settings;
+use super::state::State;
 use super::upload::Uploaded;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
@@ -99,6 +100,8 @@ pub(super) enum Task {
 }
 
 impl Task {
+    const ALL: [Self; 5] = [Self::Albedo, Self::Gather, Self::Shoot, Self::Collect, Self::Vertices];
+
     /// The pass that does it.
     pub fn pass(self) -> &'static str {
         match self {
@@ -136,6 +139,7 @@ pub(super) struct Radiosity {
     albedo: Buffer,
     met: Buffer,
     arriving: Buffer,
+    at_vertices: Buffer,
     /// What else the table points to.
     _kept: Vec<Buffer>,
     layers: u32,
@@ -207,7 +211,6 @@ impl Radiosity {
             found: u32::from(is_found(scene, &mesh)),
             columns,
         };
-        kept.push(at_vertices);
         Ok(Self {
             table: Buffer::with_data(gpu, "patches", &[table])?,
             rays: rays(settings, patches),
@@ -218,6 +221,7 @@ impl Radiosity {
             albedo,
             met,
             arriving,
+            at_vertices,
             _kept: kept,
             layers,
             open_ended,
@@ -272,6 +276,28 @@ impl Radiosity {
             self.prepared = None;
         }
         self.task = if self.albedos.is_empty() { Task::Albedo } else { self.first_task() };
+        Ok(())
+    }
+
+    /// All light, and how far the round at hand is.
+    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
+        let mut task = self.task as u32;
+        let (mut prepared, mut has_albedos) = (self.prepared.unwrap_or(NONE), u32::from(!self.albedos.is_empty()));
+        state.numbers([&mut task, &mut self.cursor, &mut self.rounds, &mut prepared, &mut has_albedos])?;
+        state.reals(self.first_power.iter_mut().chain(&mut self.power))?;
+        for buffer in [&self.newest, &self.received, &self.albedo, &self.met, &self.arriving, &self.at_vertices] {
+            state.buffer(buffer)?;
+        }
+        if state.restores() {
+            let found = Task::ALL.into_iter().find(|known| *known as u32 == task);
+            state.check(found.is_some(), "a task of the patches")?;
+            self.task = found.unwrap_or(Task::Albedo);
+            self.prepared = (prepared != NONE).then_some(prepared);
+            if has_albedos > 0 {
+                self.albedos = self.albedo.read(self.mesh.patches.len())?;
+            }
+            state.check(self.cursor <= self.extent(), "a place among the patches")?;
+        }
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 
 use super::frames::{Room, slots};
 use super::settings::Settings;
+use super::state::State;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Kept;
@@ -148,5 +149,12 @@ impl Scratch {
             grid_cells: Buffer::new(gpu, "grid cells", size.cell_bytes)?,
             grid_places: Buffer::new(gpu, "grid places", size.place_bytes)?,
         })
+    }
+
+    /// What a pass that is under way has left for its later stages.
+    pub fn transfer(&self, state: &mut State) -> Result<()> {
+        [&self.splats, &self.light_paths, &self.grid_cells, &self.grid_places]
+            .into_iter()
+            .try_for_each(|buffer| state.buffer(buffer))
     }
 }

@@ -105,6 +105,12 @@ impl Technique {
         (!others.is_empty()).then(|| format!("{}{more}", named.join(", ")))
     }
 
+    /// The name with every parameter.
+    pub fn full(&self) -> String {
+        let all = self.row.parameters.iter().zip(&self.values);
+        all.fold(self.row.name.to_owned(), |text, (parameter, value)| format!("{text}:{}={value}", parameter.name))
+    }
+
     /// The name with every parameter that is not at its default.
     pub fn describe(&self) -> String {
         let changed = self

@@ -23,6 +23,11 @@ impl ErrorTarget {
         Self { relmse, next: FIRST }
     }
 
+    /// The same, which looks next at so many samples per pixel: where it stopped before.
+    pub fn at(self, next: u32) -> Self {
+        Self { next, ..self }
+    }
+
     /// Samples per pixel at which it looks next: what to advance to.
     pub fn next(&self) -> u32 {
         self.next
@@ -34,7 +39,11 @@ impl ErrorTarget {
         if spp < self.next {
             return Ok(false);
         }
-        self.next = spp.saturating_add((spp / 7).max(1));
-        Ok(renderer.film()?.estimated_relmse().is_some_and(|estimate| estimate <= self.relmse))
+        let is_reached = renderer.film()?.estimated_relmse().is_some_and(|estimate| estimate <= self.relmse);
+        // Where it is, that stays where to look: what goes on from here ends here.
+        if !is_reached {
+            self.next = spp.saturating_add((spp / 7).max(1));
+        }
+        Ok(is_reached)
     }
 }

@@ -3,6 +3,7 @@
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 pub mod gltf;
+pub mod program;
 pub mod room;
 pub mod sampling;
 

@@ -1,0 +1,103 @@
+//! The state of a rendering as a stream of little-endian bytes.
+//!
+//! One function of each part says what belongs to its state, and serves both directions: what is written is what is read.
+
+use std::io::{Read, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::gpu::Buffer;
+
+/// Bytes of a buffer that are in the host's memory at once.
+const CHUNK: u64 = 16 << 20;
+
+/// A state on its way out, or back in.
+pub struct State<'a> {
+    /// The file, for messages.
+    file: &'a Path,
+    way: Way<'a>,
+}
+
+enum Way<'a> {
+    Out(&'a mut dyn Write),
+    In(&'a mut dyn Read),
+}
+
+impl<'a> State<'a> {
+    /// On its way to `file`.
+    pub fn saving(file: &'a Path, to: &'a mut dyn Write) -> Self {
+        Self { file, way: Way::Out(to) }
+    }
+
+    /// On its way from `file`.
+    pub fn restoring(file: &'a Path, from: &'a mut dyn Read) -> Self {
+        Self { file, way: Way::In(from) }
+    }
+
+    /// Whether what it is shown is to be overwritten.
+    pub(super) fn restores(&self) -> bool {
+        matches!(self.way, Way::In(_))
+    }
+
+    fn bytes(&mut self, bytes: &mut [u8]) -> Result<()> {
+        match &mut self.way {
+            Way::Out(to) => to.write_all(bytes).map_err(|error| Error::write(self.file, error)),
+            Way::In(from) => from.read_exact(bytes).map_err(|error| Error::read(self.file, error)),
+        }
+    }
+
+    /// 32-bit integers.
+    pub(super) fn numbers<'b>(&mut self, values: impl IntoIterator<Item = &'b mut u32>) -> Result<()> {
+        for value in values {
+            let mut bytes = value.to_le_bytes();
+            self.bytes(&mut bytes)?;
+            *value = u32::from_le_bytes(bytes);
+        }
+        Ok(())
+    }
+
+    /// A 64-bit integer.
+    pub(super) fn long(&mut self, value: &mut u64) -> Result<()> {
+        let mut bytes = value.to_le_bytes();
+        self.bytes(&mut bytes)?;
+        *value = u64::from_le_bytes(bytes);
+        Ok(())
+    }
+
+    /// Numbers in double precision, bit by bit.
+    pub(super) fn reals<'b>(&mut self, values: impl IntoIterator<Item = &'b mut f64>) -> Result<()> {
+        for value in values {
+            let mut bits = value.to_bits();
+            self.long(&mut bits)?;
+            *value = f64::from_bits(bits);
+        }
+        Ok(())
+    }
+
+    /// The contents of a buffer on the device, after its size, which must be the same when it is read.
+    pub(super) fn buffer(&mut self, buffer: &Buffer) -> Result<()> {
+        let mut size = buffer.size();
+        self.long(&mut size)?;
+        let what = format!("{size} bytes of '{}', which has {}", buffer.name(), buffer.size());
+        self.check(size == buffer.size(), &what)?;
+        let mut chunk = vec![0; CHUNK.min(size) as usize];
+        let mut start = 0;
+        while start < size {
+            let part = CHUNK.min(size - start) as usize;
+            if !self.restores() {
+                buffer.read_at(start, &mut chunk[..part])?;
+            }
+            self.bytes(&mut chunk[..part])?;
+            if self.restores() {
+                buffer.upload_at(start, &chunk[..part])?;
+            }
+            start += part as u64;
+        }
+        Ok(())
+    }
+
+    /// Fails where what was read cannot be: `what` it was.
+    pub(super) fn check(&self, holds: bool, what: &str) -> Result<()> {
+        if holds { Ok(()) } else { Err(Error::read(self.file, format!("it has {what} that cannot be"))) }
+    }
+}

@@ -1,0 +1,258 @@
+//! Checkpoints: what goes on from one has the bits of what was never interrupted, wherever that was; and what is not whole or not of
+//! this rendering is refused.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::path::Path;
+
+use common::{canon, settings, with_gpu};
+use lumbre::backend::Backend;
+use lumbre::checkpoint::{Checkpoints, Header, Identity};
+use lumbre::film::Film;
+use lumbre::gpu::Gpu;
+use lumbre::integrator::INTEGRATORS;
+use lumbre::render::{Renderer, Settings, State};
+use lumbre::sampler::Sampler;
+use lumbre::scene::{LoadOptions, Scene};
+
+const SPP: u32 = 3;
+
+/// Everything in a film that could differ.
+fn bits(renderer: &Renderer) -> String {
+    let film: Film = renderer.film().unwrap();
+    let flat = |sums: &[[f64; 3]]| sums.iter().flatten().map(|sum| sum.to_bits()).collect::<Vec<_>>();
+    let layers: Vec<_> = film.lengths.iter().map(|layer| flat(layer)).collect();
+    let strategies: Vec<_> =
+        film.strategies.iter().map(|layer| (flat(&layer.unweighted), flat(&layer.weighted))).collect();
+    let own = (&film.counts, flat(&film.sums), flat(&film.squares), layers, strategies);
+    format!("{own:?} {} {:?} {}", film.nonfinite, film.bad_samples, renderer.rays())
+}
+
+/// Renders in frames as small as they can be, and after each of them goes on in another renderer, which knows nothing of it but what
+/// was written down, and holds the remains of older states. Returns the states that were handed over.
+fn handed_over(gpu: &Gpu, scene: &Scene, settings: &Settings, what: &str) -> usize {
+    let path = Path::new("state");
+    let mut plain = Renderer::new(gpu, scene, settings).unwrap();
+    while plain.advance(SPP).unwrap() {}
+    let expected = bits(&plain);
+    // Another seed and the frames of another speed, left in the middle of a pass.
+    let mut other = plain;
+    other.restart(settings.seed + 1).unwrap();
+    other.bound_frames(64);
+    (0..2).for_each(|_| assert!(other.advance(SPP).unwrap(), "{what}: too few frames to tell"));
+    other.restart(settings.seed).unwrap();
+    let mut own = Renderer::new(gpu, scene, settings).unwrap();
+    own.bound_frames(64);
+    let mut handed = 0;
+    loop {
+        let more = own.advance(SPP).unwrap();
+        let mut bytes = Vec::new();
+        own.transfer(&mut State::saving(path, &mut bytes)).unwrap();
+        let mut left = bytes.as_slice();
+        other.transfer(&mut State::restoring(path, &mut left)).unwrap();
+        assert!(left.is_empty(), "{what}: all of it is read");
+        std::mem::swap(&mut own, &mut other);
+        handed += 1;
+        if !more {
+            break;
+        }
+    }
+    assert!(bits(&own) == expected, "{what}: not the same bits after {handed} hand-overs");
+    handed
+}
+
+/// Every technique, interrupted after each single frame: within passes, between stages, while chains begin and patches prepare.
+#[test]
+fn every_technique_goes_on_from_every_frame() {
+    let scene = canon("cornell.xml", &[("size", "16")]);
+    with_gpu(|gpu| {
+        for row in INTEGRATORS {
+            let name = if row.name == "radiosity" { "radiosity:patches=4" } else { row.name };
+            let frames = handed_over(gpu, &scene, &settings(&scene, name, Backend::Bvh), name);
+            println!("{name}: {frames} frames");
+            assert!(frames >= SPP as usize, "{name}");
+        }
+    });
+}
+
+/// The same with all else that a film may hold, and the forms that keep more.
+#[test]
+fn layers_forms_and_seeds_go_on_as_well() {
+    let scene = canon("cornell.xml", &[("size", "16")]);
+    with_gpu(|gpu| {
+        let of = |technique: &str| Settings { seed: 7, ..settings(&scene, technique, Backend::Bvh) };
+        let strategies = |technique: &str| Settings { strategies: 3, max_depth: Some(3), ..of(technique) };
+        let cases = [
+            ("path by length", Settings { lengths: 3, ..of("path") }),
+            ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),
+            ("bdpt by length", Settings { lengths: 3, ..of("bdpt") }),
+            ("bdpt by strategy", strategies("bdpt")),
+            ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128") }),
+            ("mlt multiplexed", of("mlt:form=multiplexed:chains=1024")),
+            ("vcm, large radius", of("vcm:radius=0.2:alpha=0.5")),
+            ("photon maps", of("photon:direct=photons")),
+            ("radiosity, shot", Settings { lengths: 3, ..of("radiosity:patches=4:solver=shoot") }),
+            ("radiosity, quartered", of("radiosity:patches=4:adaptive=0.5:shown=patches")),
+            ("radiosity, short", Settings { max_depth: Some(3), ..of("radiosity:patches=4") }),
+        ];
+        for (what, settings) in cases {
+            println!("{what}: {} frames", handed_over(gpu, &scene, &settings, what));
+        }
+        if gpu.require(Backend::RayQuery).is_ok() {
+            let settings = Settings { seed: 7, ..settings(&scene, "path", Backend::RayQuery) };
+            handed_over(gpu, &scene, &settings, "path on ray-query");
+        }
+    });
+}
+
+/// What was dropped stays counted and located.
+#[test]
+fn dropped_samples_are_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let body = r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="20"/>
+        <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>
+        <shape type="rectangle"><transform name="to_world"><translate x="-1"/></transform>
+        <emitter type="area"><rgb name="radiance" value="1e39, 1, 1"/></emitter></shape></scene>"#;
+    std::fs::write(folder.path().join("scene.xml"), body).unwrap();
+    let scene = lumbre::scene::load(&folder.path().join("scene.xml"), &LoadOptions::default()).unwrap();
+    with_gpu(|gpu| {
+        let settings = Settings { max_depth: Some(1), ..settings(&scene, "path", Backend::Bvh) };
+        // The 16 that are located first hang on the frames: all samples of pixels in the first frame come first. So they are compared
+        // within the same frames, and the count with any.
+        let mut own = Renderer::new(gpu, &scene, &settings).unwrap();
+        own.bound_frames(64);
+        let mut other = Renderer::new(gpu, &scene, &settings).unwrap();
+        other.bound_frames(64);
+        let path = Path::new("state");
+        for _ in 0..5 {
+            own.advance(2).unwrap();
+        }
+        let mut bytes = Vec::new();
+        own.transfer(&mut State::saving(path, &mut bytes)).unwrap();
+        other.transfer(&mut State::restoring(path, &mut bytes.as_slice())).unwrap();
+        while own.advance(2).unwrap() {}
+        while other.advance(2).unwrap() {}
+        let (own, other) = (own.film().unwrap(), other.film().unwrap());
+        assert_eq!((own.nonfinite, &own.bad_samples), (other.nonfinite, &other.bad_samples));
+        assert_eq!(other.nonfinite, 16 * 8 * 2);
+    });
+}
+
+/// A rendering with two checkpoints on disk; the header of the newest.
+fn two_checkpoints(gpu: &Gpu, scene: &Scene, path: &Path) -> (Settings, Header) {
+    let settings = settings(scene, "path", Backend::Bvh);
+    let mut renderer = Renderer::new(gpu, scene, &settings).unwrap();
+    let mut files = Checkpoints::open(path).unwrap();
+    let header = |renderer: &Renderer| Header {
+        identity: Identity::of(scene, &settings, gpu),
+        expected_samples: settings.expected_samples,
+        spp: renderer.spp(),
+        spent: 0.1 + 0.2,
+        next_look: Some(73),
+    };
+    for spp in [1, 2] {
+        while renderer.advance(spp).unwrap() {}
+        files.save(&header(&renderer), &mut renderer).unwrap();
+    }
+    let newest = header(&renderer);
+    (settings, newest)
+}
+
+/// Whatever byte of a checkpoint is wrong and wherever it ends, it is refused, and the one before it is taken; that one stays until
+/// there is a better one.
+#[test]
+fn damaged_files_are_refused() {
+    let scene = canon("cornell.xml", &[("size", "8")]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ckpt");
+    let previous = folder.path().join("a.ckpt.previous");
+    with_gpu(|gpu| {
+        let (settings, newest) = two_checkpoints(gpu, &scene, &path);
+        let identity = Identity::of(&scene, &settings, gpu);
+        let mut files = Checkpoints::open(&path).unwrap();
+        let found = files.find(&identity).unwrap().unwrap();
+        assert_eq!((&found.header, found.warning), (&newest, None));
+        let whole = std::fs::read(&path).unwrap();
+        // Every length that is too short, and every byte with a bit turned over; in the pixels, every eleventh.
+        let step = |at: usize| if at < 2000 || at + 8 > whole.len() { 1 } else { 11 };
+        let mut at = 0;
+        while at < whole.len() {
+            let mut turned = whole.clone();
+            turned[at] ^= 1 << (at % 8);
+            for bytes in [&turned[..], &whole[..at]] {
+                std::fs::write(&path, bytes).unwrap();
+                let found = files.find(&identity).unwrap().unwrap();
+                let warning = found.warning.unwrap_or_else(|| panic!("byte {at} of {} was not missed", whole.len()));
+                assert!(warning.starts_with(&format!("{}: it ", path.display())), "{warning}");
+                assert!(warning.contains("a.ckpt.previous, the one before it") && !warning.contains('\n'), "{warning}");
+                assert_eq!(found.header.spp, 1);
+            }
+            at += step(at);
+        }
+        let longer = [&whole[..], b"more"].concat();
+        std::fs::write(&path, &longer).unwrap();
+        assert_eq!(files.find(&identity).unwrap().unwrap().header.spp, 1);
+
+        // The damaged one does not push out the good one.
+        let good = std::fs::read(&previous).unwrap();
+        let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
+        let found = files.find(&identity).unwrap().unwrap();
+        files.restore(&found, &mut renderer).unwrap();
+        assert_eq!(renderer.spp(), 1);
+        files.save(&found.header, &mut renderer).unwrap();
+        assert_eq!(std::fs::read(&previous).unwrap(), good);
+        files.save(&found.header, &mut renderer).unwrap();
+        assert!(files.find(&identity).unwrap().unwrap().warning.is_none());
+
+        // Both damaged: one message that names both.
+        std::fs::write(&path, b"").unwrap();
+        std::fs::write(&previous, b"lumbreCP and more than that").unwrap();
+        let error = files.find(&identity).unwrap_err();
+        let message = error.to_string();
+        assert!(error.exit_status() == 2 && message.contains("a.ckpt: it is cut short: 0 bytes"), "{message}");
+        assert!(message.contains("a.ckpt.previous: it has version"), "{message}");
+        std::fs::remove_file(&path).unwrap();
+        std::fs::remove_file(&previous).unwrap();
+        assert!(files.find(&identity).unwrap().is_none());
+    });
+}
+
+/// A checkpoint of another rendering is refused, and the message names what differs and nothing else.
+#[test]
+fn checkpoints_of_other_renderings_are_refused() {
+    let scene = canon("cornell.xml", &[("size", "8")]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.ckpt");
+    with_gpu(|gpu| {
+        let (settings, _) = two_checkpoints(gpu, &scene, &path);
+        let mut files = Checkpoints::open(&path).unwrap();
+        let mut refused = |scene: &Scene, settings: &Settings, expected: &[&str]| {
+            let error = files.find(&Identity::of(scene, settings, gpu)).unwrap_err();
+            let message = error.to_string();
+            assert_eq!(error.exit_status(), 2, "{message}");
+            assert!(message.contains("a.ckpt is of another rendering; what differs is "), "{message}");
+            expected.iter().for_each(|part| assert!(message.contains(part), "'{part}' is not in: {message}"));
+            assert_eq!(message.matches(" there, ").count(), expected.len(), "{message}");
+        };
+        let with = |change: &dyn Fn(&mut Settings)| {
+            let mut changed = settings.clone();
+            change(&mut changed);
+            changed
+        };
+        refused(&scene, &with(&|it| it.seed = 5), &["seed (0 there, 5 asked for)"]);
+        refused(&scene, &with(&|it| it.width = 9), &["size (8x8 there, 9x8 asked for)"]);
+        refused(&scene, &with(&|it| it.max_depth = Some(4)), &["longest path (none there, 4 asked for)"]);
+        refused(&scene, &with(&|it| it.lengths = 4), &["layers by length"]);
+        refused(&scene, &with(&|it| it.rr_depth = 99), &["roulette from segment"]);
+        refused(&scene, &with(&|it| it.sampler = Sampler::Sobol), &["sampler (independent there, sobol asked for)"]);
+        let vcm = common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
+        let both = with(&|it| (it.technique, it.seed) = (vcm.clone(), 1));
+        refused(&scene, &both, &["technique (path", "seed (0 there, 1 asked for)"]);
+        refused(&scene, &with(&|it| it.backend = Backend::RayQuery), &["backend (bvh there, ray-query asked for)"]);
+        let other = canon("cornell_spheres.xml", &[("size", "8")]);
+        refused(&other, &settings, &["scene ("]);
+    });
+}
