@@ -116,7 +116,7 @@ pub(super) fn slab(run: &mut Run) -> Result<()> {
     let scene = builder.finish()?;
     for technique in run.thorough(&scene) {
         let settings = Settings { rr_depth: 50, ..run.settings(&scene, technique)? };
-        let film = run.render(&scene, &settings, run.pick(2000, 1000))?;
+        let film = run.render(&scene, &settings, run.pick(2000, 1500))?;
         run.mean(technique, "reflected", &film, 0, 1.0 / 13.0);
         run.mean(technique, "transmitted", &film, 1, 12.0 / 13.0);
     }

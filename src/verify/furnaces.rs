@@ -46,7 +46,7 @@ pub(super) fn furnace(run: &mut Run) -> Result<()> {
     for (shape, scene) in [("sphere", ball()?), ("cube", inside(closed_cube(), DAffine3::IDENTITY)?)] {
         for row in run.unbiased() {
             let settings = Settings { lengths: LAYERS, ..run.settings(&scene, row.name)? };
-            let film = run.render(&scene, &settings, run.pick(512, 128))?;
+            let film = run.render(&scene, &settings, run.pick(512, 256))?;
             let most = if row.solves < Solves::Everything { 2 } else { u32::MAX };
             for channel in 0..3 {
                 let expected = if most == 2 { 1.0 + f64::from(ALBEDO[channel]) } else { radiance(channel) };
@@ -128,26 +128,45 @@ pub(super) fn far_huge_tiny(run: &mut Run) -> Result<()> {
     place(run, "shifted by 2^0 to 2^20", shifted.collect::<Result<_>>()?)
 }
 
-/// Walls that lie on each other, twice the same and once cut another way: which of them a ray meets changes nothing. Two runs are the
-/// same bits.
+/// Walls that lie on each other: glowing ones that are there twice, and dark ones around a lamp that are there twice and once more, cut
+/// another way. Which of them a ray meets changes nothing, and two runs are the same bits.
 pub(super) fn coplanar(run: &mut Run) -> Result<()> {
+    let spp = run.pick(512, 128);
     let mut twice = inside_out(closed_cube());
     let again = twice.triangles.clone();
     twice.triangles.extend(again);
     let mut builder = SceneBuilder::new("furnace");
     let wall = glowing(&mut builder, ALBEDO, [1.0; 3]);
-    builder.mesh(0, "furnace", twice, DAffine3::IDENTITY, wall);
-    builder.mesh(0, "cut another way", inside_out(Mesh::cube()), DAffine3::from_rotation_x(std::f64::consts::PI), wall);
+    builder.mesh(0, "furnace", twice.clone(), DAffine3::IDENTITY, wall);
+    builder.mesh(0, "furnace again", inside_out(closed_cube()), DAffine3::IDENTITY, wall);
     look(&mut builder, 32, EYE, TARGET, 80.0)?;
     let scene = builder.finish()?;
     let settings = run.settings(&scene, "path")?;
-    let films =
-        [run.render(&scene, &settings, run.pick(512, 128))?, run.render(&scene, &settings, run.pick(512, 128))?];
+    let films = [run.render(&scene, &settings, spp)?, run.render(&scene, &settings, spp)?];
     for channel in 0..3 {
-        run.mean("path", &format!("channel {channel}"), &films[0], channel, radiance(channel));
+        run.mean("path", &format!("glowing walls, channel {channel}"), &films[0], channel, radiance(channel));
     }
     let differ = films[0].sums.iter().zip(&films[1].sums).filter(|(a, b)| a != b).count();
     run.note(Figure::at_most("path", "pixels that differ between two runs", differ as f64, 0.0));
+    let room = |walls: &[Mesh]| {
+        let mut builder = SceneBuilder::new("room");
+        let wall = glowing(&mut builder, ALBEDO, [0.0; 3]);
+        for mesh in walls {
+            builder.mesh(0, "wall", inside_out(mesh.clone()), DAffine3::IDENTITY, wall);
+        }
+        let light = glowing(&mut builder, ALBEDO, [1.0; 3]);
+        builder.sphere(0, "lamp", DVec3::new(0.2, 0.5, -0.4), 0.3, light);
+        look(&mut builder, 32, EYE, TARGET, 80.0)?;
+        builder.finish()
+    };
+    let mut cut = closed_cube();
+    let faces = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    cut.triangles = faces.iter().flat_map(|[a, b, c, d]| [[*b, *c, *d], [*b, *d, *a]]).collect();
+    let (once, thrice) = (room(&[closed_cube()])?, room(&[closed_cube(), closed_cube(), cut])?);
+    let settings = run.settings(&once, "path")?;
+    let a = run.render(&once, &settings, spp)?;
+    let b = run.render(&thrice, &Settings { seed: 1, ..settings }, spp)?;
+    run.same("path", "dark walls three times against once", &a, &b, 8);
     Ok(())
 }
 
@@ -238,21 +257,22 @@ pub(super) fn roulette(run: &mut Run) -> Result<()> {
         }
         let scene = bright(albedo)?;
         let settings = Settings { rr_depth, max_depth: Some(2000), ..run.settings(&scene, technique)? };
-        let film = run.render(&scene, &settings, spp / run.pick(1, 4))?;
+        let film = run.render(&scene, &settings, spp / run.pick(1, 2))?;
         run.mean(technique, &format!("albedo {albedo}, roulette from {rr_depth} segments"), &film, 0, 1.0);
     }
     Ok(())
 }
 
-/// Paths of ten thousand bounces: what an albedo of 0.9999 brings after them is a third of all.
+/// Paths of ten thousand bounces: what an albedo of 0.9999 brings after them is a third of all. Without a limit the albedo is 0.999, for
+/// then paths of more than that, which roulette ends faster so that they end at all, are one in 20000.
 pub(super) fn bounces(run: &mut Run) -> Result<()> {
     const ALBEDO: f64 = 0.9999;
     let scene = bright(ALBEDO)?;
     let settings = Settings { rr_depth: 20_000, max_depth: Some(10_000), ..run.settings(&scene, "path")? };
     let film = run.render(&scene, &settings, run.pick(4, 1))?;
     run.mean("path", "the first 10^4 segments", &film, 0, 1.0 - f64::from(ALBEDO as f32).powi(10_000));
-    let settings = Settings { max_depth: None, ..run.settings(&scene, "path")? };
-    let film = run.render(&scene, &settings, run.pick(16, 4))?;
-    run.mean("path", "no limit, roulette on throughput", &film, 0, 1.0);
+    let scene = bright(0.999)?;
+    let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(128, 32))?;
+    run.mean_within("path", "no limit, roulette on throughput, albedo 0.999", &film, 0, 1.0, 1e-2);
     Ok(())
 }

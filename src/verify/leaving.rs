@@ -84,7 +84,7 @@ pub(super) fn self_intersection(run: &mut Run) -> Result<()> {
                 let side = if random.next() < 0.5 { -1.0 } else { 1.0 };
                 let aside = random.direction();
                 let away = (normal * side + aside * 0.9).normalize();
-                let origin = (target + away * size * (0.1 + random.next())).as_vec3().as_dvec3();
+                let origin = (target + away * size * 10f64.powf(-4.0 * random.next())).as_vec3().as_dvec3();
                 queries.push(query(origin, target - origin, random.direction()));
             }
         }
@@ -116,7 +116,7 @@ pub(super) fn self_intersection(run: &mut Run) -> Result<()> {
             ulps.see(far, || format!("triangle {slot}, query {query:?}"));
         }
     }
-    let few = f64::from(u8::from(met * 4 < triangles * rays));
+    let few = f64::from(u8::from(met * 2 < triangles * rays));
     run.note(Figure::at_most("leave", format!("too few met: {met} of {}", triangles * rays), few, 0.0));
     run.note(
         Figure::at_most("leave", format!("rays that meet the triangle that they leave, of {met}"), again as f64, 0.0)

@@ -4,12 +4,15 @@
 //! finds its bound broken says where it was worst, and the suite goes on. Adding a row is one entry in the table and one function.
 
 mod brute_force;
+mod delta;
+mod emitters;
 mod figure;
 mod formulas;
 mod furnaces;
 mod geometry;
 mod leaving;
 mod outlines;
+mod placed;
 mod room;
 mod run;
 mod sums;

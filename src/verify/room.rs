@@ -13,6 +13,10 @@ pub(super) type Makes = fn() -> MaterialDescription;
 /// A matte one.
 pub(super) const MATTE: Makes = || material::diffuse([0.3, 0.5, 0.7]).into();
 
+/// A rough metal.
+pub(super) const ROUGH_METAL: Makes =
+    || material::conductor([0.2, 0.92, 1.1], [3.9, 2.45, 2.14], [1.0; 3], Some([0.3; 2])).into();
+
 /// The room with a block and a ball of these materials, `scale` times as large as it is.
 pub(super) fn scaled(block: Makes, ball: Makes, size: u32, scale: f64, radiance: f64) -> Result<Scene> {
     let mut builder = SceneBuilder::new("room");

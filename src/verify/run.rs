@@ -123,7 +123,9 @@ impl<'a> Run<'a> {
     /// Unbiased techniques that this backend is to show, all that there are or those that fit into a short run. What paths from
     /// the lights bring needs no second backend: they trace by the same functions.
     pub(super) fn unbiased(&self) -> Vec<&'static Integrator> {
-        let short = |row: &Integrator| row.name == "path" || row.name == "bdpt" && self.backend == Backend::Bvh;
+        let short = |row: &Integrator| {
+            row.name == "path" || row.name == "bdpt" && self.backend == Backend::Bvh && self.case == "furnace"
+        };
         let full = |row: &Integrator| self.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
         let fits = |row: &&Integrator| if self.is_short() { short(row) } else { full(row) || row.name == "bdpt" };
         INTEGRATORS.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()

@@ -1,6 +1,6 @@
 //! The rows of the suite: the only place where a new one is announced.
 
-use super::{Case, On, formulas, furnaces, leaving, outlines, sums};
+use super::{Case, On, delta, emitters, formulas, furnaces, leaving, outlines, placed, sums};
 
 const MEAN: &str = "0.1 % or 3 sigma";
 
@@ -109,6 +109,78 @@ pub const CASES: &[Case] = &[
         source: "radiance over eta^2 is invariant",
         on: On::EachBackend,
         measure: formulas::inside_glass,
+    },
+    Case {
+        name: "small-and-far",
+        tests: "squares of solid angles from 1e-10 to 6.28 sr, across the switch between ways of sampling",
+        bound: MEAN,
+        source: "Lambert's polygon",
+        on: On::Once,
+        measure: emitters::small_and_far,
+    },
+    Case {
+        name: "tiny-light",
+        tests: "a light that is a millionth of the scene's size",
+        bound: MEAN,
+        source: "L A cos^2 / d^2",
+        on: On::EachBackend,
+        measure: emitters::millionth,
+    },
+    Case {
+        name: "bright-light",
+        tests: "a light brighter by 10^8, by techniques that splat too",
+        bound: "1e-5 of 10^8 times the plain image",
+        source: "the plain image",
+        on: On::EachBackend,
+        measure: emitters::bright,
+    },
+    Case {
+        name: "suns",
+        tests: "a ball of half a degree, near and far, and a sky of which one texel is the sun",
+        bound: MEAN,
+        source: "pi L sin^2 cos; midpoint rule in double precision",
+        on: On::EachBackend,
+        measure: emitters::suns,
+    },
+    Case {
+        name: "units",
+        tests: "the same scene in millimetres, metres and kilometres",
+        bound: "2 % of the noise's relMSE",
+        source: "the scene in metres",
+        on: On::EachBackend,
+        measure: emitters::units,
+    },
+    Case {
+        name: "instances",
+        tests: "mirrored, flattened and sheared instances",
+        bound: "10 % of the noise's relMSE",
+        source: "the same mesh with its vertices moved",
+        on: On::EachBackend,
+        measure: placed::instances,
+    },
+    Case {
+        name: "interpenetrating",
+        tests: "white instances that stand in each other, some mirrored, under radiance 1",
+        bound: MEAN,
+        source: "white under radiance 1 is 1",
+        on: On::EachBackend,
+        measure: placed::interpenetrating,
+    },
+    Case {
+        name: "traps",
+        tests: "a box of mirrors, and what total reflection holds, without a limit of length",
+        bound: "1e-5 of the series; 0",
+        source: "the geometric series",
+        on: On::EachBackend,
+        measure: delta::traps,
+    },
+    Case {
+        name: "nested-glass",
+        tests: "balls of glass one in the other and overlapping, under a white sky",
+        bound: MEAN,
+        source: "what loses nothing is not to be seen",
+        on: On::EachBackend,
+        measure: delta::nested,
     },
     Case {
         name: "watertight",
