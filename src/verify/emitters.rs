@@ -9,6 +9,7 @@ use super::figure::{Figure, Worst};
 use super::formulas::patch_under;
 use super::geometry::{lamp, polygon};
 use super::room;
+use super::sampling::spread;
 use crate::error::Result;
 use crate::layout::{LightAnswer, LightQuery};
 use crate::render::Settings;
@@ -38,8 +39,9 @@ pub(super) fn millionth(run: &mut Run) -> Result<()> {
         builder.parallelogram(DVec3::new(-1.0, -0.01, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0, dark);
     })?;
     let d = DVec3::new(0.3, 1.0, 0.2);
-    // E = L A cos^2 / d^2, of which the square's extent changes 1e-12.
-    let expected = side * side * d.normalize().y.powi(2) / d.length_squared();
+    // E = L A cos^2 / d^2, of which the square's extent changes 1e-12. Its sides are those of its corners in single precision.
+    let side_of = |middle: f64| f64::from((middle + side / 2.0) as f32) - f64::from((middle - side / 2.0) as f32);
+    let expected = side_of(0.3) * side_of(0.2) * d.normalize().y.powi(2) / d.length_squared();
     patch(run, "a square of side 2e-6", &scene, expected, 500)
 }
 
@@ -172,15 +174,6 @@ pub(super) fn small_and_far(run: &mut Run) -> Result<()> {
     }
     run.note(worst.figure("light", "irradiance off Lambert's, in bounds of 0.1 % or 3 sigma", 1.0));
     Ok(())
-}
-
-/// Evenly spread points of the unit cube of `N` dimensions (Roberts 2018, the R sequence).
-pub(super) fn spread<const N: usize>(count: usize) -> Vec<[f32; N]> {
-    // The root of x^(N + 1) = x + 1.
-    let root = (0..50).fold(1.5f64, |x, _| (1.0 + x).powf(1.0 / (N + 1) as f64));
-    let steps: [f64; N] = std::array::from_fn(|axis| root.powi(-(axis as i32 + 1)));
-    let at = |index: usize| steps.map(|step| ((0.5 + (index + 1) as f64 * step).fract() as f32).min(0.999_999_9));
-    (0..count).map(at).collect()
 }
 
 /// Scenes in millimetres and in kilometres are the image of the scene in metres: what rounding sends another way is far below the noise.

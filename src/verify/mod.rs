@@ -3,9 +3,13 @@
 //! Each row of [`CASES`] measures figures through the shaders that render, on one backend, and holds each against its bound. A row that
 //! finds its bound broken says where it was worst, and the suite goes on. Adding a row is one entry in the table and one function.
 
+mod agreement;
 mod brute_force;
+mod bsdf;
 mod delta;
+mod draws;
 mod emitters;
+pub mod families;
 mod figure;
 mod formulas;
 mod furnaces;
@@ -15,8 +19,10 @@ mod outlines;
 mod placed;
 mod room;
 mod run;
+pub mod sampling;
 mod sums;
 mod table;
+mod weights;
 
 use std::path::Path;
 use std::time::Instant;

@@ -1,6 +1,8 @@
 //! The rows of the suite: the only place where a new one is announced.
 
-use super::{Case, On, delta, emitters, formulas, furnaces, leaving, outlines, placed, sums};
+use super::{
+    Case, On, agreement, bsdf, delta, draws, emitters, formulas, furnaces, leaving, outlines, placed, sums, weights,
+};
 
 const MEAN: &str = "0.1 % or 3 sigma";
 
@@ -181,6 +183,94 @@ pub const CASES: &[Case] = &[
         source: "what loses nothing is not to be seen",
         on: On::EachBackend,
         measure: delta::nested,
+    },
+    Case {
+        name: "ggx-limit",
+        tests: "GGX of alpha 10^-5 to 1 under cosines of 10^-3 to 1: samples, densities, the step to what is smooth",
+        bound: "finite; chi-square p > 0.01; 0.5 %",
+        source: "the density; the smooth material",
+        on: On::Once,
+        measure: bsdf::ggx_limit,
+    },
+    Case {
+        name: "energy",
+        tests: "albedo of every material over 20 roughnesses and 10 angles",
+        bound: "1.002, or the published model's; 1 +- 0.5 % where compensated",
+        source: "conservation of energy",
+        on: On::Once,
+        measure: bsdf::energy,
+    },
+    Case {
+        name: "reciprocity",
+        tests: "f(wo, wi) = f(wi, wo) of every material, with eta^2 of refraction",
+        bound: "1e-5",
+        source: "Veach 1997, equation 5.14",
+        on: On::Once,
+        measure: bsdf::reciprocity,
+    },
+    Case {
+        name: "ggx-albedo",
+        tests: "single-scatter albedo of GGX with F = 1",
+        bound: "0.1 %",
+        source: "1 - ln 2 at alpha 1; quadrature",
+        on: On::Once,
+        measure: bsdf::ggx_albedo,
+    },
+    Case {
+        name: "fresnel",
+        tests: "smooth glass: reflectance, critical angle, Snell's law",
+        bound: "1.5 / 4096; 0; 1e-5",
+        source: "Fresnel, Snell",
+        on: On::Once,
+        measure: bsdf::fresnel,
+    },
+    Case {
+        name: "mis-weights",
+        tests: "weights of bidirectional strategies over random paths, scenes of radius 1e-4 to 1e4",
+        bound: "1e-5, and 1 +- 1e-5 their sum",
+        source: "products of densities in double precision",
+        on: On::Once,
+        measure: weights::weights,
+    },
+    Case {
+        name: "random-numbers",
+        tests: "correlation of neighbouring pixels, samples, dimensions and of seeds, by every sampler",
+        bound: "3 / sqrt(N); chi-square z 3",
+        source: "independence",
+        on: On::Once,
+        measure: draws::random_numbers,
+    },
+    Case {
+        name: "shading-normals",
+        tests: "bumps and a coarse ball shaded as a smooth one: light and bdpt against path, tile by tile",
+        bound: "p > 0.01 of all tiles together",
+        source: "path; Veach's adjoint correction",
+        on: On::EachBackend,
+        measure: agreement::shading_normals,
+    },
+    Case {
+        name: "normal-map-below",
+        tests: "a normal map that points below its surface",
+        bound: "p > 0.01 of all tiles together; no pixel above 1.002",
+        source: "path; conservation of energy",
+        on: On::EachBackend,
+        measure: agreement::normals_below_surface,
+    },
+    Case {
+        name: "hidden-light",
+        tests: "a lamp in glass over a floor (specular-diffuse-specular): energy that each technique misses",
+        bound: "2 % and 3 sigma; told where a technique says that it misses it",
+        source: "photon mapping's limit",
+        on: On::EachBackend,
+        measure: agreement::specular_diffuse_specular,
+    },
+    Case {
+        name: "mlt-start",
+        tests: "32 seeds of 10^2 to 10^6 chains at a fixed number of mutations",
+        bound: "2 sigma of all together",
+        source: "path",
+        on: On::Once,
+        measure: agreement::mlt_start,
     },
     Case {
         name: "watertight",
