@@ -10,6 +10,7 @@ use super::formulas::patch_under;
 use super::geometry::{lamp, polygon};
 use super::room;
 use super::sampling::spread;
+use crate::backend::Backend;
 use crate::error::Result;
 use crate::layout::{LightAnswer, LightQuery};
 use crate::render::Settings;
@@ -49,7 +50,8 @@ pub(super) fn millionth(run: &mut Run) -> Result<()> {
 pub(super) fn bright(run: &mut Run) -> Result<()> {
     let (plain, bright) =
         (room::scaled(room::MATTE, room::MATTE, 32, 1.0, 1.0)?, room::scaled(room::MATTE, room::MATTE, 32, 1.0, 1e8)?);
-    for technique in run.pick(vec!["path", "path-implicit", "light", "bdpt", "vcm", "photon"], vec!["path", "light"]) {
+    let all = if run.backend == Backend::Bvh { vec!["path", "light", "bdpt", "vcm", "photon"] } else { vec!["path"] };
+    for technique in run.pick(all, vec!["path", "light"]) {
         let settings = run.settings(&plain, technique)?;
         let (a, b) = (run.render(&plain, &settings, 16)?.mean(), run.render(&bright, &settings, 16)?.mean());
         let mut worst = Worst::default();
@@ -178,7 +180,8 @@ pub(super) fn small_and_far(run: &mut Run) -> Result<()> {
 
 /// Scenes in millimetres and in kilometres are the image of the scene in metres: what rounding sends another way is far below the noise.
 pub(super) fn units(run: &mut Run) -> Result<()> {
-    for technique in run.pick(vec!["path", "bdpt", "vcm"], vec!["path"]) {
+    let all = if run.backend == Backend::Bvh { vec!["path", "vcm"] } else { vec!["path"] };
+    for technique in run.pick(all, vec!["path"]) {
         let film = |run: &mut Run, scale: f64, seed: u32| {
             let scene = room::scaled(room::MATTE, room::ROUGH_METAL, 32, scale, 1.0)?;
             let settings = Settings { seed, ..run.settings(&scene, technique)? };
@@ -186,7 +189,9 @@ pub(super) fn units(run: &mut Run) -> Result<()> {
         };
         let (one, other) = (film(run, 1.0, 0)?, film(run, 1.0, 1)?);
         let noise = crate::metrics::compare(&one, &other)?.relmse;
-        for (unit, scale) in [("millimetres", 1e3), ("kilometres", 1e-3)] {
+        for (unit, scale) in
+            [("millimetres", 1e3), ("kilometres", 1e-3), ("tenths of millimetres", 1e4), ("tens of kilometres", 1e-4)]
+        {
             let difference = crate::metrics::compare(&film(run, scale, 0)?, &one)?.relmse;
             run.note(Figure::at_most(
                 technique,

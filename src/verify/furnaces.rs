@@ -46,7 +46,7 @@ pub(super) fn furnace(run: &mut Run) -> Result<()> {
     for (shape, scene) in [("sphere", ball()?), ("cube", inside(closed_cube(), DAffine3::IDENTITY)?)] {
         for row in run.unbiased() {
             let settings = Settings { lengths: LAYERS, ..run.settings(&scene, row.name)? };
-            let film = run.render(&scene, &settings, run.pick(512, 256))?;
+            let film = run.render(&scene, &settings, run.pick(768, 256))?;
             let most = if row.solves < Solves::Everything { 2 } else { u32::MAX };
             for channel in 0..3 {
                 let expected = if most == 2 { 1.0 + f64::from(ALBEDO[channel]) } else { radiance(channel) };
@@ -251,7 +251,7 @@ pub(super) fn roulette(run: &mut Run) -> Result<()> {
     ];
     let splats = |technique: &str| technique == "light" || technique == "bdpt";
     let on_bvh = run.backend == Backend::Bvh;
-    for (albedo, technique, rr_depth, spp) in all.into_iter().take(run.pick(9, 4)) {
+    for (albedo, technique, rr_depth, spp) in all.into_iter().take(run.pick(9, 3)) {
         if splats(technique) && !on_bvh {
             continue;
         }

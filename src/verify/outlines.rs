@@ -7,8 +7,10 @@ use super::Run;
 use super::brute_force::{Tally, judge, rays, scene};
 use super::figure::Figure;
 use super::geometry::{Random, closed_cube, icosphere};
+use crate::backend::Backend;
 use crate::error::Result;
 use crate::layout::{HitRecord, RayRecord};
+use crate::render::{Probe, Settings};
 use crate::scene::{Scene, SceneBuilder};
 
 fn ray(origin: Vec3, direction: DVec3) -> RayRecord {
@@ -80,10 +82,20 @@ fn lost(run: &Run, scene: &Scene, rays: &[RayRecord]) -> Result<Vec<usize>> {
 }
 
 /// Random rays, and ones aimed at vertices, edges and along the axes, in a scene of instances, spheres and slivers.
+/// `bvh` also with its groups cut into chunks, each with a tree of its own.
 pub(super) fn brute_force(run: &mut Run) -> Result<()> {
     let scene = scene()?;
-    let rays = rays(&scene, run.pick(1_000_000, 100_000));
-    let probe = run.probe(&scene, "trace")?;
+    let settings = run.settings(&scene, "path")?;
+    hold(run, &scene, "", &settings, run.pick(1_000_000, 100_000))?;
+    for chunk in [1, 10].into_iter().take(if run.backend == Backend::Bvh { 2 } else { 0 }) {
+        hold(run, &scene, &format!(" in chunks of {chunk}"), &Settings { chunk, ..settings.clone() }, 50_000)?;
+    }
+    Ok(())
+}
+
+fn hold(run: &mut Run, scene: &Scene, how: &str, settings: &Settings, count: usize) -> Result<()> {
+    let rays = rays(scene, count);
+    let probe = Probe::new(run.gpu, scene, settings, "test/trace")?;
     let hits: Vec<HitRecord> = probe.run(&rays)?;
     let is_random = |index: usize| matches!(index % 8, 0 | 1 | 4);
     for (kind, random, most_near_outline) in [("random", true, 0.002), ("aimed", false, 0.05)] {
@@ -95,7 +107,7 @@ pub(super) fn brute_force(run: &mut Run) -> Result<()> {
             .fold(Tally::default, |mut tally, (_, (ray, hit))| {
                 let primitive = probe.order().get(hit.primitive as usize).copied().unwrap_or(u32::MAX);
                 let instance = probe.instance_order().get(hit.instance as usize).copied().unwrap_or(u32::MAX);
-                judge(&scene, ray, hit, primitive, instance, &mut tally);
+                judge(scene, ray, hit, primitive, instance, &mut tally);
                 tally
             })
             .reduce(Tally::default, Tally::add);
@@ -104,7 +116,7 @@ pub(super) fn brute_force(run: &mut Run) -> Result<()> {
         run.note(
             Figure::at_most(
                 "trace",
-                format!("{kind} rays answered wrongly, of {total}"),
+                format!("{kind} rays answered wrongly{how}, of {total}"),
                 tally.wrong.len() as f64,
                 0.0,
             )

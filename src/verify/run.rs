@@ -120,14 +120,14 @@ impl<'a> Run<'a> {
         Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
     }
 
-    /// Unbiased techniques that this backend is to show, all that there are or those that fit into a short run. What paths from
-    /// the lights bring needs no second backend: they trace by the same functions.
+    /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, what paths from the lights bring
+    /// needs no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
     pub(super) fn unbiased(&self) -> Vec<&'static Integrator> {
-        let short = |row: &Integrator| {
-            row.name == "path" || row.name == "bdpt" && self.backend == Backend::Bvh && self.case == "furnace"
-        };
-        let full = |row: &Integrator| self.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
-        let fits = |row: &&Integrator| if self.is_short() { short(row) } else { full(row) || row.name == "bdpt" };
+        let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
+        let short = |row: &Integrator| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
+        let camera = |row: &Integrator| !(row.splats || row.kept != Kept::Nothing);
+        let full = |row: &Integrator| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
+        let fits = |row: &&Integrator| if self.is_short() { short(row) } else { full(row) };
         INTEGRATORS.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
     }
 

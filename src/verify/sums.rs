@@ -7,10 +7,11 @@ use super::figure::{Figure, Worst};
 use super::geometry::{lamp, look};
 use super::room;
 use super::run::average;
+use crate::backend::Backend;
 use crate::error::Result;
 use crate::film::Image;
 use crate::input::read_image;
-use crate::integrator::INTEGRATORS;
+use crate::integrator::{INTEGRATORS, Integrator, Kept};
 use crate::output::{Picture, write_picture};
 use crate::render::Settings;
 use crate::scene::{Scene, SceneBuilder};
@@ -47,8 +48,10 @@ pub(super) fn long_sums(run: &mut Run) -> Result<()> {
 /// The layers by path length sum to the image, exactly, and to the one rendered without them but for rounding.
 pub(super) fn layers(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
-    let rows = run.pick(INTEGRATORS.len(), 4);
-    for row in INTEGRATORS.iter().take(rows) {
+    // Layers of what paths from the lights bring need no second backend.
+    let all = run.pick(INTEGRATORS.len(), 4);
+    let here = |row: &&Integrator| run.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
+    for row in INTEGRATORS.iter().take(all).filter(here).collect::<Vec<_>>() {
         let settings = run.settings(&scene, row.name)?;
         let layered = run.render(&scene, &Settings { lengths: 5, ..settings.clone() }, 16)?;
         let plain = run.render(&scene, &settings, 16)?.mean();
@@ -129,7 +132,10 @@ pub(super) fn output(run: &mut Run) -> Result<()> {
 /// Splats come in any order, and their sums are the same bits.
 pub(super) fn splats(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
-    for technique in run.pick(vec!["light", "bdpt", "vcm", "photon", "mlt"], vec!["light"]) {
+    for technique in match run.backend {
+        Backend::Bvh => run.pick(vec!["light", "bdpt", "vcm", "photon", "mlt"], vec!["light"]),
+        Backend::RayQuery => vec!["light"],
+    } {
         let settings = run.settings(&scene, technique)?;
         let (a, b) = (run.render(&scene, &settings, 16)?, run.render(&scene, &settings, 16)?);
         let differ = a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count();
