@@ -5,18 +5,14 @@
 
 mod common;
 
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{backends, settings, with_gpu};
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use common::{settings, with_gpu};
+use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
-use lumbre::gpu::Gpu;
-use lumbre::layout::{HitRecord, Primitive, RayRecord, SPHERE_BIT};
+use lumbre::layout::{HitRecord, Primitive, RayRecord};
 use lumbre::render::{Probe, Settings};
-use lumbre::scene::{Mesh, Scene, SceneBuilder};
-use rayon::prelude::*;
 
 /// A small generator of reproducible numbers (Steele, Lea and Flood 2014, SplitMix64).
 struct Random(u64);
@@ -28,10 +24,6 @@ impl Random {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        (self.next() * count as f64) as usize
     }
 
     fn in_cube(&mut self, half: f64) -> DVec3 {

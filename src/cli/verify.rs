@@ -174,7 +174,7 @@ fn print_outcome(outcome: &Outcome, all: bool) {
         }
     }
     for figure in shown {
-        let bound = figure.bound.map_or(String::from("-"), |bound| number(bound));
+        let bound = figure.bound.map_or(String::from("-"), number);
         print(&format!(
             "{:<18} {:<10} {:<25} {:<WIDTH$} {:>9} {:>9}  {}",
             outcome.case,

@@ -60,8 +60,8 @@ pub(super) fn random_numbers(run: &mut Run) -> Result<()> {
             let mut counts = vec![0.0; 1024];
             values.iter().for_each(|value| counts[((value * 1024.0) as usize).min(1023)] += 1.0);
             uniform.see(chi_square_z(&counts, &vec![values.len() as f64 / 1024.0; 1024]), || format!("number {index}"));
-            for other in 0..index {
-                worst.see(correlation(values, &here[other]).abs(), || format!("numbers {index} and {other}"));
+            for (other, others) in here.iter().enumerate().take(index) {
+                worst.see(correlation(values, others).abs(), || format!("numbers {index} and {other}"));
             }
         }
         for (name, queries) in &neighbours {

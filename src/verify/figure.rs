@@ -97,7 +97,8 @@ pub(super) struct Worst {
 impl Worst {
     /// Takes a value in; what is not a number is worse than anything.
     pub fn see(&mut self, value: f64, place: impl FnOnce() -> String) {
-        if !self.seen || !(value <= self.value) && !self.value.is_nan() {
+        let worse = value > self.value || value.is_nan() && !self.value.is_nan();
+        if !self.seen || worse {
             (self.value, self.place, self.seen) = (value, place(), true);
         }
     }

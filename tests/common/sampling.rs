@@ -10,6 +10,7 @@ use lumbre::sampler::Sampler;
 use lumbre::scene::material::{self, MaterialDescription};
 use lumbre::scene::{Scene, SceneBuilder, SurfaceDescription};
 
+#[allow(unused_imports)]
 pub use lumbre::verify::sampling::{Rings, chi_square_z, direction, spread};
 
 use super::settings;
