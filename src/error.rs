@@ -103,6 +103,10 @@ pub enum Error {
     #[error("{0}")]
     Regression(String),
 
+    /// A figure of the accuracy suite is beyond its bound.
+    #[error("beyond their bounds: {0}")]
+    Verification(String),
+
     /// Another renderer, in a bench, failed.
     #[error("peer {name}: {message}")]
     Peer {

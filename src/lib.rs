@@ -55,5 +55,6 @@ pub mod report;
 pub mod sampler;
 pub mod scene;
 pub mod strategies;
+pub mod verify;
 
 pub use error::{Error, Result};

@@ -5,9 +5,8 @@
 mod common;
 
 use common::room::{LAMP, material_pairs, room, scene};
-use common::{assert_same_mean, canon, render, scene_path, settings, with_gpu};
+use common::{assert_same_mean, canon, render, settings, verify, with_gpu};
 use lumbre::backend::Backend;
-use lumbre::metrics::compare;
 use lumbre::render::{Settings, Technique};
 use lumbre::scene::Scene;
 
@@ -73,65 +72,10 @@ fn every_material() {
     }
 }
 
-/// Normals that are not those of the surface: a coarse ball that is shaded as a smooth one, and a floor with bumps. Paths from the light
-/// need Veach's adjoint of them.
+/// Normals that are not those of the surface, which paths from the light need Veach's adjoint of; a scene in other units.
 #[test]
-fn shading_normals() {
-    let folder = tempfile::tempdir().unwrap();
-    // An octahedron with the normals of a ball.
-    let points = ["1 0 0", "-1 0 0", "0 1 0", "0 -1 0", "0 0 1", "0 0 -1"];
-    let of = |kind: &str| points.map(|point| format!("{kind} {point}\n")).concat();
-    let faces = ["1 3 5", "3 2 5", "2 4 5", "4 1 5", "3 1 6", "2 3 6", "4 2 6", "1 4 6"];
-    let faces = faces.map(|face| {
-        let corners: Vec<String> = face.split(' ').map(|index| format!("{index}//{index}")).collect();
-        format!("f {}\n", corners.join(" "))
-    });
-    let ball = folder.path().join("ball.obj");
-    std::fs::write(&ball, of("v") + &of("vn") + &faces.concat()).unwrap();
-    let bumps = scene_path("gltf_room/tiles.png");
-    let elements = format!(
-        "{CAMERA}{LAMP}
-         <shape type='rectangle'><transform name='to_world'><scale value='3'/><rotate x='1' angle='-90'/></transform>
-         <bsdf type='bumpmap'><texture type='bitmap'><string name='filename' value='{}'/><boolean name='raw' value='true'/>
-         <transform name='to_uv'><scale x='3' y='3'/></transform></texture><float name='scale' value='0.3'/>
-         <bsdf type='diffuse'><rgb name='reflectance' value='0.7, 0.6, 0.5'/></bsdf></bsdf></shape>
-         <shape type='obj'><string name='filename' value='{}'/><transform name='to_world'><scale value='0.8'/><translate y='0.9'/></transform>
-         <bsdf type='roughplastic'><float name='alpha' value='0.3'/></bsdf></shape>",
-        bumps.display(),
-        ball.display()
-    );
-    agrees("shading normals", &scene(&elements), 128);
-}
-
-/// A scene ten thousand times larger or smaller is the same image, from the same random numbers: what rounding sends another way is
-/// far below the noise.
-#[test]
-fn scale_changes_nothing() {
-    let matte_room = room(MATTE, "<bsdf type='roughconductor'><float name='alpha' value='0.3'/></bsdf>");
-    let scaled = |scale: f64| {
-        let grow = format!("<scale value='{scale}'/></transform>");
-        let shapes = [matte_room.as_str(), LAMP].concat().replace("</transform>", &grow);
-        let ball = format!("<shape type='sphere'><transform name='to_world'>{grow}");
-        let camera = format!("<lookat origin='0, {}, {}' target='0, {}, 0'", scale, 6.0 * scale, 0.8 * scale);
-        let camera = CAMERA.replace("<lookat origin='0, 1, 6' target='0, 0.8, 0'", &camera);
-        scene(&[camera.as_str(), &shapes.replace("<shape type='sphere'>", &ball)].concat())
-    };
-    with_gpu(|gpu| {
-        for technique in ["vcm"] {
-            let film = |scale: f64, seed: u32| {
-                let scene = scaled(scale);
-                let settings = Settings { seed, ..settings(&scene, technique, Backend::Bvh) };
-                render(gpu, &scene, &settings, 64).mean()
-            };
-            let (one, other) = (film(1.0, 0), film(1.0, 1));
-            let noise = compare(&one, &other).unwrap().relmse;
-            for scale in [1e-4, 1e4] {
-                let difference = compare(&film(scale, 0), &one).unwrap().relmse;
-                println!("{technique} at scale {scale}: relMSE {difference:.1e}, noise {noise:.1e}");
-                assert!(difference < 0.02 * noise, "{technique} at scale {scale}: {difference}, noise {noise}");
-            }
-        }
-    });
+fn normals_and_units() {
+    verify(&["shading-normals", "units"]);
 }
 
 /// Lenses and parallel rays see light paths as their own paths see the scene; so do filters wider than a pixel, and negative ones.

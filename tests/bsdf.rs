@@ -12,6 +12,7 @@ use lumbre::gpu::Gpu;
 use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Material, Principled};
 use lumbre::render::Probe;
 use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};
+use lumbre::verify::families::{FAMILIES, Family};
 
 const WHITE: [f32; 3] = [1.0; 3];
 /// A mirror that reflects everything: index 0 + i.
@@ -500,53 +501,6 @@ fn bsdfs_are_reciprocal() {
     });
 }
 
-/// Families of materials over roughness (alpha = roughness^2), white, with the bound on their albedo.
-type Family = (&'static str, fn(f32) -> MaterialDescription, f64);
-
-const FAMILIES: &[Family] = &[
-    ("GGX conductor", |r| material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([r * r; 2])).into(), 1.002),
-    (
-        "Beckmann conductor",
-        |r| MaterialDescription::from(material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([r * r; 2]))).beckmann(),
-        1.002,
-    ),
-    ("GGX dielectric", |r| material::dielectric(1.5, WHITE, WHITE, Some([r * r; 2])).into(), 1.002),
-    (
-        "Beckmann dielectric",
-        |r| MaterialDescription::from(material::dielectric(1.5, WHITE, WHITE, Some([r * r; 2]))).beckmann(),
-        1.002,
-    ),
-    (
-        "compensated mirror",
-        |r| MaterialDescription::from(material::conductor(PERFECT.0, PERFECT.1, WHITE, Some([r * r; 2]))).compensated(),
-        1.002,
-    ),
-    (
-        "compensated glass",
-        |r| MaterialDescription::from(material::dielectric(1.5, WHITE, WHITE, Some([r * r; 2]))).compensated(),
-        1.002,
-    ),
-    ("GGX plastic", |r| material::plastic(1.5, WHITE, WHITE, false, Some(r * r)), 1.002),
-    ("Beckmann plastic", |r| material::plastic(1.5, WHITE, WHITE, false, Some(r * r)).beckmann(), 1.002),
-    ("principled metal", |r| principled(WHITE, r, Principled { metallic: 1.0, ..Principled::default() }), 1.002),
-    ("principled glass", |r| principled(WHITE, r, Principled { spec_trans: 1.0, ..Principled::default() }), 1.002),
-    ("principled", |r| principled(WHITE, r, Principled::default()), 1.58),
-    ("layered metal", |r| layered(WHITE, r, plain_layers(1.0)), 1.002),
-    ("layered wall", |r| layered(WHITE, r, Layered { transmission: 1.0, ..plain_layers(0.0) }), 1.002),
-    ("layered glass", |r| layered(WHITE, r, Layered { transmission: 1.0, is_volume: 1, ..plain_layers(0.0) }), 1.002),
-    ("layered dielectric", |r| layered(WHITE, r, plain_layers(0.0)), 1.84),
-    (
-        "layered sheen on metal",
-        |r| layered(WHITE, 0.3, Layered { sheen_colour: WHITE, sheen_roughness: r, ..plain_layers(1.0) }),
-        1.002,
-    ),
-    (
-        "layered coat on metal",
-        |r| layered(WHITE, 0.3, Layered { clearcoat: 1.0, clearcoat_roughness: r, ..plain_layers(1.0) }),
-        1.002,
-    ),
-];
-
 /// All families, each at these roughnesses.
 fn family_cases(roughness: &[f32]) -> Vec<Case> {
     let of_family = |(name, family, _): &Family| {
@@ -554,39 +508,6 @@ fn family_cases(roughness: &[f32]) -> Vec<Case> {
         roughness.iter().map(case).collect::<Vec<_>>()
     };
     FAMILIES.iter().flat_map(of_family).collect()
-}
-
-/// Twenty roughnesses by ten angles.
-#[test]
-fn energy_is_conserved_over_roughness_and_angle() {
-    const ANGLES: [f32; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0];
-    with_gpu(|gpu| {
-        let samples = spread(4096);
-        let mut findings = Findings::default();
-        let steps = 20;
-        let bench = Bench::new(gpu, family_cases(&(1..=steps).map(|step| step as f32 / 20.0).collect::<Vec<_>>()));
-        for (index, (name, _, bound)) in FAMILIES.iter().enumerate() {
-            if name.starts_with("compensated") {
-                continue; // closer, in `compensated_materials_lose_nothing`
-            }
-            let all: Vec<_> = (index * steps..(index + 1) * steps).collect();
-            let (mut most, mut least) = ((0.0f64, String::new()), f64::MAX);
-            for cos in ANGLES.into_iter().chain(ANGLES.map(|cos| -cos)) {
-                if cos < 0.0 && !bench.cases[all[0]].transmits() {
-                    continue;
-                }
-                for (step, albedo) in albedos(&bench, &all, direction(cos, 0.7), &samples).iter().enumerate() {
-                    let peak = albedo.iter().copied().fold(0.0, f64::max);
-                    least = least.min(peak);
-                    if peak > most.0 {
-                        most = (peak, format!("roughness {:.2}, cos {cos}", 0.05 * (step + 1) as f64));
-                    }
-                }
-            }
-            println!("{name}: albedo {least:.4} to {:.4} at {}, bound {bound}", most.0, most.1);
-            findings.check(most.0 <= *bound, || format!("{name}: albedo {:.4} at {}", most.0, most.1));
-        }
-    });
 }
 
 /// A midpoint rule of `side` squared points over the numbers that microfacets are made of, with the golden ratio's multiples for

@@ -91,6 +91,7 @@ fn layers_forms_and_seeds_go_on_as_well() {
             ("bdpt by strategy", strategies("bdpt")),
             ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128") }),
             ("mlt multiplexed", of("mlt:form=multiplexed:chains=1024")),
+            ("mlt of paths", of("mlt:form=paths:chains=1024")),
             ("vcm, large radius", of("vcm:radius=0.2:alpha=0.5")),
             ("photon maps", of("photon:direct=photons")),
             ("radiosity, shot", Settings { lengths: 3, ..of("radiosity:patches=4:solver=shoot") }),

@@ -354,3 +354,36 @@ fn radiosity_reports_its_patches() {
     assert!(json("path")["patches"].is_null());
     assert!(fails(folder.path(), &["render", &spheres, "-i", "radiosity:solver=guess"], 2).contains("gather or shoot"));
 }
+
+#[test]
+fn verify_measures_a_case_and_leaves_its_images() {
+    let folder = tempfile::tempdir().unwrap();
+    let table =
+        works(folder.path(), &["verify", "--short", "--case", "output", "--backend", "bvh", "--json", "a.json"]);
+    assert!(table.contains("output") && table.contains("pass") && table.contains("0 beyond them;"), "{table}");
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join(name)).unwrap()).unwrap()
+    };
+    let json = read("a.json");
+    assert_eq!(json, read("verify-output/verify.json"));
+    assert_eq!((&json["schema"], &json["verdict"]), (&"lumbre-verify-1".into(), &"pass".into()));
+    let case = &json["cases"][0];
+    assert_eq!((&case["case"], &case["backend"]), (&"output".into(), &"bvh".into()));
+    for key in ["technique", "what", "figure", "bound", "worst", "verdict"] {
+        assert!(!case["figures"][0][key].is_null(), "no '{key}' in {case}");
+    }
+    assert!(folder.path().join(case["files"][0].as_str().unwrap()).exists(), "{case}");
+}
+
+#[test]
+fn verify_refuses_what_makes_no_sense() {
+    let folder = tempfile::tempdir().unwrap();
+    let fails = |args: &[&str]| fails(folder.path(), &[&["verify", "--short"], args].concat(), 2);
+    assert!(fails(&["--case", "teapot"]).contains("no case 'teapot': valid are furnace, "));
+    assert!(fails(&["--backend", "embree"]).contains("no backend 'embree': valid are auto, ray-query or bvh"));
+    assert!(fails(&["--json", "none/a.json"]).contains("none/a.json"));
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    assert!(fails(&["--case", "output", "-o", "file/out"]).contains("cannot write file/out"));
+    let list = works(folder.path(), &["verify", "--list"]);
+    assert!(list.contains("watertight") && list.contains("bound: ") && list.contains("source: "), "{list}");
+}

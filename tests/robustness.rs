@@ -6,7 +6,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{backends, render, settings, with_gpu};
+use common::{settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::gpu::Buffer;
 use lumbre::scene::{LoadOptions, Scene};
@@ -298,43 +298,5 @@ fn out_of_memory_is_named() {
         assert!(error.contains("a very large buffer") && error.contains("1048576.00 GiB"), "{error}");
         // The device goes on working.
         assert_eq!(Buffer::with_data(gpu, "small", &[1u32, 2, 3]).unwrap().read::<u32>(3).unwrap(), [1, 2, 3]);
-    });
-}
-
-/// Samples that are not finite are dropped, counted and located, and their neighbours are untouched.
-#[test]
-fn samples_that_are_not_finite_are_located() {
-    let body = |radiance: &str| {
-        format!(
-            r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="20"/>
-            <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
-            <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>
-            <shape type="rectangle"><transform name="to_world"><translate x="-1"/></transform>
-            <emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter></shape></scene>"#
-        )
-    };
-    let folder = tempfile::tempdir().unwrap();
-    let load = |radiance: &str| {
-        std::fs::write(folder.path().join("scene.xml"), body(radiance)).unwrap();
-        load(folder.path(), "scene.xml").unwrap()
-    };
-    // A radiance beyond single precision is infinite on the device; it fills the left half of the picture.
-    let (bright, dark) = (load("1e39, 1, 1"), load("0, 1, 1"));
-    with_gpu(|gpu| {
-        for backend in backends(gpu) {
-            let mut settings = settings(&bright, "path", backend);
-            settings.max_depth = Some(1);
-            let film = lumbre::render::render(gpu, &bright, &settings, 2).unwrap();
-            assert_eq!(film.nonfinite, 16 * 8 * 2, "{}", backend.name());
-            assert_eq!(film.bad_samples.len(), lumbre::layout::BAD_SAMPLES as usize);
-            assert!(
-                film.bad_samples.iter().all(|bad| bad.x < 8 && bad.y < 16 && bad.sample < 2),
-                "{:?}",
-                film.bad_samples
-            );
-            assert!(film.mean().pixels.iter().flatten().all(|value| *value == 0.0), "nothing of them is in the image");
-            let fine = render(gpu, &dark, &settings, 2).mean();
-            assert_eq!(fine.pixels[0], [0.0, 1.0, 1.0]);
-        }
     });
 }

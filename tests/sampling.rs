@@ -4,79 +4,11 @@
 
 mod common;
 
-use common::sampling::{Mapped, chi_square_z, random, random_from};
+use common::sampling::{Mapped, random, random_from};
 use common::with_gpu;
 use glam::Vec3;
 use lumbre::layout::RandomQuery;
-use lumbre::sampler::{SAMPLERS, Sampler};
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
-    let (ma, mb) = (mean(a), mean(b));
-    let covariance = a.iter().zip(b).map(|(x, y)| (x - ma) * (y - mb)).sum::<f64>();
-    let spread = |values: &[f64], mean: f64| values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    covariance / (spread(a, ma) * spread(b, mb)).sqrt()
-}
-
-#[test]
-fn random_numbers_are_uniform_and_uncorrelated() {
-    SAMPLERS.iter().for_each(|row| is_uniform_and_uncorrelated(row.sampler));
-}
-
-fn is_uniform_and_uncorrelated(sampler: Sampler) {
-    println!("{}", sampler.name());
-    const SIDE: u32 = 512;
-    let base: Vec<RandomQuery> = (0..SIDE * SIDE)
-        .map(|index| RandomQuery { pixel: index % SIDE, sample_index: index / SIDE, dimension: 3, seed: 1 })
-        .collect();
-    let moved = |change: fn(&mut RandomQuery)| {
-        let mut queries = base.clone();
-        queries.iter_mut().for_each(change);
-        queries
-    };
-    let neighbours = [
-        ("the next pixel", moved(|q| q.pixel += 1)),
-        ("the pixel below", moved(|q| q.pixel += 1920)),
-        ("the next sample", moved(|q| q.sample_index += 1)),
-        ("the next dimensions", moved(|q| q.dimension += 1)),
-        ("dimensions far on", moved(|q| q.dimension += 100_000)),
-        ("another seed", moved(|q| q.seed = 2)),
-        ("pixel and sample swapped", moved(|q| (q.pixel, q.sample_index) = (q.sample_index + 1, q.pixel))),
-    ];
-    with_gpu(|gpu| {
-        let column = |rows: &[Mapped], index: usize| rows.iter().map(|row| f64::from(row[index])).collect::<Vec<f64>>();
-        let here = random_from(gpu, sampler, &base);
-        let bound = 3.0 / f64::from(SIDE); // 3 / sqrt(N)
-        for index in 0..4 {
-            let values = column(&here, index);
-            let n = values.len() as f64;
-            assert!(values.iter().all(|value| (0.0..1.0).contains(value)));
-            let mean = values.iter().sum::<f64>() / n;
-            assert!((mean - 0.5).abs() < 3.0 * (1.0 / 12.0 / n).sqrt(), "number {index}: mean {mean}");
-            let mut counts = vec![0.0; 1024];
-            values.iter().for_each(|value| counts[(value * 1024.0) as usize] += 1.0);
-            let z = chi_square_z(&counts, &vec![n / 1024.0; 1024]);
-            println!("number {index}: mean {mean:.5}, chi-square z {z:.2}");
-            assert!(z < 3.0, "number {index}: chi-square z {z}");
-            for other in 0..index {
-                let r = correlation(&values, &column(&here, other));
-                assert!(r.abs() < bound, "numbers {index} and {other}: correlation {r}");
-            }
-        }
-        for (name, queries) in neighbours {
-            if sampler == Sampler::Sobol && name == "the next sample" {
-                continue; // it is meant to lie elsewhere than the last one
-            }
-            let there = random_from(gpu, sampler, &queries);
-            for index in 0..4 {
-                let r = correlation(&column(&here, index), &column(&there, index));
-                println!("{name}, number {index}: correlation {r:+.5}, bound {bound:.5}");
-                assert!(r.abs() < bound, "{name}, number {index}: correlation {r}");
-            }
-        }
-    });
-}
+use lumbre::sampler::Sampler;
 
 /// The first 2^m samples of a pixel are a (0, m, 2)-net in each pair of numbers (Niederreiter 1992, definition 4.1): every
 /// rectangle of area 2^-m whose sides are powers of two, at a multiple of them, holds exactly one. No two pairs are the same.

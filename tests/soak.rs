@@ -55,7 +55,7 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
     let row = random.of(&INTEGRATORS.iter().collect::<Vec<_>>());
     let technique = match row.kept {
         Kept::Patches => random.of(&["radiosity:patches=4", "radiosity:patches=4:solver=shoot", "radiosity:patches=8"]),
-        Kept::Chains => random.of(&["mlt:chains=128", "mlt:chains=256:form=multiplexed"]),
+        Kept::Chains => random.of(&["mlt:chains=128", "mlt:chains=256:form=multiplexed", "mlt:chains=256:form=paths"]),
         _ => row.name,
     };
     let mut any = settings(scene, technique, backend);

@@ -8,6 +8,7 @@ mod lecture;
 mod list;
 mod rays;
 mod render;
+mod verify;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -40,6 +41,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Measure raw ray throughput: primary, shadow and diffuse-bounce rays
     Rays(rays::RaysArgs),
+    /// Hold this device against the accuracy suite
+    Verify(verify::VerifyArgs),
     /// Show what a scene holds and needs
     Info(info::InfoArgs),
     /// List the Vulkan devices, what they can do, and why a backend is refused
@@ -52,7 +55,7 @@ enum Command {
 #[derive(Args)]
 struct DeviceArgs {
     /// Device by index, UUID, or a part of its name; by default the first of the fastest kind
-    #[arg(long, value_name = "SEL")]
+    #[arg(short = 'd', long, value_name = "SEL")]
     device: Option<String>,
 
     /// Check every Vulkan call with the Khronos validation layer; a message fails the command
@@ -163,6 +166,7 @@ pub fn main() -> u8 {
         Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Rays(args) => rays::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::List => list::run(),

@@ -347,6 +347,9 @@ impl SceneBuilder {
                 flat.degenerate, flat.triangles_seen
             ));
         }
+        if flat.repeated > 0 {
+            self.warnings.push(format!("{} emitting triangles lie on another one and were dropped", flat.repeated));
+        }
         flat.close_attributes();
         let is_textured = !self.textures.is_empty();
         let mut tables = if is_textured { srgb_table() } else { Vec::new() };

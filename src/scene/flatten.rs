@@ -57,6 +57,14 @@ impl PendingGroup {
     }
 }
 
+/// The bits of a triangle's vertices, the same whichever of them comes first. Its two sides differ.
+fn same_triangle(vertices: [Vec3; 3]) -> [[u32; 3]; 3] {
+    let mut bits = vertices.map(|v| (v + 0.0).to_array().map(f32::to_bits)); // a zero without its sign
+    let least = (0..3).min_by_key(|index| bits[*index]).unwrap_or(0);
+    bits.rotate_left(least);
+    bits
+}
+
 /// A primitive that emits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Emitter {
@@ -83,6 +91,9 @@ pub(super) struct Flat {
     /// The lights that primitives are.
     pub emitters: Vec<Emitter>,
     pub degenerate: usize,
+    /// Emitting triangles that lie on another one.
+    pub repeated: usize,
+    emitting: HashSet<[[u32; 3]; 3]>,
     pub triangles_seen: usize,
 }
 
@@ -120,6 +131,8 @@ impl Flat {
             surfaces,
             emitters: Vec::new(),
             degenerate: 0,
+            repeated: 0,
+            emitting: HashSet::new(),
             triangles_seen: 0,
         }
     }
@@ -315,6 +328,11 @@ impl Flat {
             let longest = (0..3).fold(0, |best, edge| if opposite[edge] > opposite[best] { edge } else { best });
             triangle.rotate_left(longest);
             let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
+            // Of lights that lie on each other a ray sees one: what is sampled from the others would be light that is not there.
+            if emits && !self.emitting.insert(same_triangle([v0, v1, v2])) {
+                self.repeated += 1;
+                continue;
+            }
             self.primitives.push(Primitive {
                 v0: v0.into(),
                 v1: v1.into(),

@@ -17,6 +17,7 @@ use lumbre::integrator::{Integrator, Kept};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::{Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
+use lumbre::verify::{Effort, Verdict};
 
 /// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
 ///
@@ -38,6 +39,27 @@ pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
     let messages = gpu.take_validation_messages();
     assert!(messages.is_empty(), "Vulkan validation: {messages:#?}");
     result
+}
+
+/// Rows of `lumbre verify` in their full form, on every backend: prints each figure, and fails with those beyond their bounds.
+pub fn verify(names: &[&str]) {
+    let mut broken = Vec::new();
+    with_gpu(|gpu| {
+        let backends = backends(gpu);
+        for case in names.iter().map(|name| lumbre::verify::find(name).unwrap()) {
+            for backend in lumbre::verify::measured_on(case, &backends) {
+                let outcome = lumbre::verify::measure(gpu, case, backend, Effort::Full, None).unwrap();
+                for figure in outcome.figures {
+                    let line = format!("{} on {}: {figure:?}", case.name, backend.name());
+                    println!("{line}");
+                    if figure.verdict == Verdict::Fail {
+                        broken.push(line);
+                    }
+                }
+            }
+        }
+    });
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
 /// Every backend that the device has. On a machine that is to have both (`LUMBRE_TEST_BACKENDS=all`), a missing one fails.

@@ -1,0 +1,116 @@
+//! The accuracy suite on the user's own device: `lumbre verify`.
+//!
+//! Each row of [`CASES`] measures figures through the shaders that render, on one backend, and holds each against its bound. A row that
+//! finds its bound broken says where it was worst, and the suite goes on. Adding a row is one entry in the table and one function.
+
+mod agreement;
+mod brute_force;
+mod bsdf;
+mod delta;
+mod draws;
+mod emitters;
+pub mod families;
+mod figure;
+mod formulas;
+mod furnaces;
+mod geometry;
+mod leaving;
+mod outlines;
+mod placed;
+mod room;
+mod run;
+pub mod sampling;
+mod sums;
+mod table;
+mod weights;
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::backend::{BACKENDS, Backend};
+use crate::error::{Error, Result, one_of};
+use crate::gpu::Gpu;
+
+pub use figure::{Figure, Verdict};
+pub use run::{Effort, Run};
+pub use table::CASES;
+
+/// What a row is measured on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum On {
+    /// Every backend: it traces rays.
+    EachBackend,
+    /// One of them: what it asks traces none.
+    Once,
+}
+
+/// One row of the suite.
+pub struct Case {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// What it tests, in one line.
+    pub tests: &'static str,
+    /// The bound, in words.
+    pub bound: &'static str,
+    /// Where the expected value comes from.
+    pub source: &'static str,
+    /// What it is measured on.
+    pub on: On,
+    /// What measures it. It fails only where the device does: a broken bound is a figure.
+    pub measure: fn(&mut Run) -> Result<()>,
+}
+
+/// What one row came to on one backend.
+#[derive(Clone, Debug, Serialize)]
+pub struct Outcome {
+    /// The row's name.
+    pub case: &'static str,
+    /// What it was measured on.
+    pub backend: &'static str,
+    /// Every figure with its bound.
+    pub figures: Vec<Figure>,
+    /// Files that it left.
+    pub files: Vec<String>,
+    /// How long it took.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    /// The worst verdict of its figures.
+    pub fn verdict(&self) -> Verdict {
+        self.figures.iter().map(|figure| figure.verdict).max().unwrap_or(Verdict::Fail)
+    }
+}
+
+/// The row of that name.
+pub fn find(name: &str) -> Result<&'static Case> {
+    CASES.iter().find(|case| case.name == name).ok_or_else(|| {
+        Error::Usage(format!("no case '{name}': valid are {}", one_of(CASES.iter().map(|case| case.name))))
+    })
+}
+
+/// The backends that a device has.
+pub fn backends_of(gpu: &Gpu) -> Vec<Backend> {
+    BACKENDS.iter().map(|row| row.backend).filter(|backend| gpu.survey().refusal(*backend).is_none()).collect()
+}
+
+/// Those of `backends` that a row is measured on.
+pub fn measured_on(case: &Case, backends: &[Backend]) -> Vec<Backend> {
+    match case.on {
+        On::EachBackend => backends.to_vec(),
+        On::Once => {
+            backends.iter().copied().find(|b| *b == Backend::Bvh).or(backends.first().copied()).into_iter().collect()
+        }
+    }
+}
+
+/// Measures a row on a backend. Its images go to `folder`, where one is given.
+pub fn measure(gpu: &Gpu, case: &Case, backend: Backend, effort: Effort, folder: Option<&Path>) -> Result<Outcome> {
+    let started = Instant::now();
+    let mut run = Run::new(gpu, case.name, backend, effort, folder);
+    (case.measure)(&mut run)?;
+    let (figures, files) = run.finish();
+    Ok(Outcome { case: case.name, backend: backend.name(), figures, files, seconds: started.elapsed().as_secs_f64() })
+}

@@ -1,0 +1,262 @@
+//! What a row is given: a device, a backend, and where its figures and images go.
+
+use std::path::{Path, PathBuf};
+
+use super::figure::Figure;
+use crate::backend::Backend;
+use crate::error::Result;
+use crate::film::Film;
+use crate::gpu::Gpu;
+use crate::integrator::{Bias, INTEGRATORS, Integrator, Kept, Solves};
+use crate::metrics::stats::{Estimate, sidak, two_sided_p};
+use crate::output::{Picture, write_picture};
+use crate::render::{Probe, Renderer, Settings, Technique};
+use crate::scene::Scene;
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Every technique, and what the bounds ask for: minutes.
+    Full,
+    /// One or two techniques and fewer samples and rays: seconds.
+    Short,
+}
+
+/// The device and backend of a row's measurement, and what it has found.
+pub struct Run<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The backend.
+    pub backend: Backend,
+    case: &'static str,
+    effort: Effort,
+    folder: Option<PathBuf>,
+    figures: Vec<Figure>,
+    files: Vec<String>,
+    /// Samples that were dropped where none should be, and the first of them.
+    dropped: (u64, String),
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(
+        gpu: &'a Gpu,
+        case: &'static str,
+        backend: Backend,
+        effort: Effort,
+        folder: Option<&Path>,
+    ) -> Self {
+        let folder = folder.map(Path::to_owned);
+        Self { gpu, backend, case, effort, folder, figures: Vec::new(), files: Vec::new(), dropped: (0, String::new()) }
+    }
+
+    pub(super) fn finish(mut self) -> (Vec<Figure>, Vec<String>) {
+        if self.dropped.0 > 0 {
+            let figure = Figure::at_most("", "samples that are not finite", self.dropped.0 as f64, 0.0);
+            self.figures.push(figure.worst(self.dropped.1));
+        }
+        (self.figures, self.files)
+    }
+
+    /// The first of two, or the second where little time is to be spent.
+    pub(super) fn pick<T>(&self, full: T, short: T) -> T {
+        if self.effort == Effort::Full { full } else { short }
+    }
+
+    /// Whether little time is to be spent.
+    pub(super) fn is_short(&self) -> bool {
+        self.effort == Effort::Short
+    }
+
+    /// Takes a figure in.
+    pub(super) fn note(&mut self, figure: Figure) {
+        self.figures.push(figure);
+    }
+
+    /// The same of what the driver's own ray queries may break.
+    pub(super) fn note_of_driver(&mut self, figure: Figure) {
+        let driver = &self.gpu.survey().driver;
+        self.figures.push(if self.backend == Backend::RayQuery { figure.by_driver(driver) } else { figure });
+    }
+
+    /// Settings for a technique on this backend, by the scene's film.
+    pub(super) fn settings(&self, scene: &Scene, technique: &str) -> Result<Settings> {
+        Ok(Settings { expected_samples: 0, ..Settings::new(scene, Technique::parse(technique)?, self.backend) })
+    }
+
+    /// Renders with so many samples, as `lumbre render` would; keeps the image and counts samples that are not finite.
+    pub(super) fn render(&mut self, scene: &Scene, settings: &Settings, spp: u32) -> Result<Film> {
+        let film = self.film(scene, settings, spp)?;
+        if let Some(bad) = film.bad_samples.first() {
+            let place =
+                format!("{}, pixel ({}, {}), sample {}", settings.technique.describe(), bad.x, bad.y, bad.sample);
+            if self.dropped.0 == 0 {
+                self.dropped.1 = place;
+            }
+            self.dropped.0 += film.nonfinite;
+        }
+        Ok(film)
+    }
+
+    /// The same where samples that are not finite are what is looked for.
+    pub(super) fn film(&mut self, scene: &Scene, settings: &Settings, spp: u32) -> Result<Film> {
+        let samples = u64::from(settings.width) * u64::from(settings.height) * u64::from(spp);
+        let expected_samples = samples.max(settings.expected_samples);
+        let mut renderer = Renderer::new(self.gpu, scene, &Settings { expected_samples, ..settings.clone() })?;
+        while renderer.advance(spp)? {}
+        let film = renderer.film()?;
+        if let Some(folder) = &self.folder {
+            let technique = settings.technique.describe().replace([':', '='], "-");
+            let (case, backend, count) = (self.case, self.backend.name(), self.files.len());
+            let file = folder.join(format!("{case}-{backend}-{count:03}-{technique}.exr"));
+            let header = vec![(String::from("settings"), format!("{technique} on {backend}, {spp} samples per pixel"))];
+            write_picture(&file, &Picture { image: film.mean(), layers: Vec::new(), header })?;
+            self.files.push(file.display().to_string());
+        }
+        Ok(film)
+    }
+
+    /// The kernel `shaders/test/<name>.glsl` for a scene.
+    pub(super) fn probe(&self, scene: &Scene, name: &str) -> Result<Probe> {
+        Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
+    }
+
+    /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, what paths from the lights bring
+    /// needs no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
+    pub(super) fn unbiased(&self) -> Vec<&'static Integrator> {
+        let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
+        let short = |row: &Integrator| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
+        let camera = |row: &Integrator| !(row.splats || row.kept != Kept::Nothing);
+        let full = |row: &Integrator| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
+        let fits = |row: &&Integrator| if self.is_short() { short(row) } else { full(row) };
+        INTEGRATORS.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
+    }
+
+    /// Of those, the ones that find all there is in a scene of which the camera sees a tiny part. Light tracing would, but next to
+    /// none of its paths come there.
+    pub(super) fn thorough(&self, scene: &Scene) -> Vec<&'static str> {
+        let finds =
+            |row: &&Integrator| Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
+        let rows = self.unbiased().into_iter();
+        rows.filter(|row| row.solves == Solves::Everything && row.name != "light")
+            .filter(finds)
+            .map(|row| row.name)
+            .collect()
+    }
+
+    /// Holds a film's mean against a value: within 0.1 % or three standard deviations of the estimate, whichever is more. An estimate
+    /// that could not see 1 % fails.
+    pub(super) fn mean(&mut self, technique: &str, what: &str, film: &Film, channel: usize, expected: f64) {
+        self.mean_within(technique, what, film, channel, expected, 1e-3);
+    }
+
+    /// The same with another share than 0.1 %.
+    pub(super) fn mean_within(
+        &mut self,
+        technique: &str,
+        what: &str,
+        film: &Film,
+        channel: usize,
+        expected: f64,
+        share: f64,
+    ) {
+        let estimate = average(film)[channel];
+        self.estimate(technique, what, estimate, expected, share, oddest_pixel(film, channel));
+    }
+
+    /// The same of any estimate.
+    pub(super) fn estimate(
+        &mut self,
+        technique: &str,
+        what: &str,
+        found: Estimate,
+        expected: f64,
+        share: f64,
+        worst: String,
+    ) {
+        let sigma = found.variance.sqrt() / expected.abs();
+        let figure = Figure::relative(technique, what, found.mean, expected, share.max(3.0 * sigma)).worst(worst);
+        if sigma < (10.0 * share / 3.0).max(3.4e-3) {
+            self.note(figure);
+        } else {
+            let place = format!("standard deviation {sigma:.1e}: too few samples to tell");
+            self.note(
+                Figure { figure: f64::NAN, ..Figure::relative(technique, what, f64::NAN, expected, share) }
+                    .worst(place),
+            );
+        }
+    }
+
+    /// Holds two films of the same scene against each other: the largest z of all tiles and channels at the 1 % level of all together
+    /// (Sidak), and that of the whole image.
+    pub(super) fn same(&mut self, technique: &str, what: &str, a: &Film, b: &Film, tile: u32) {
+        let mut worst = super::figure::Worst::default();
+        let mut count = 0;
+        for y in (0..a.height).step_by(tile as usize) {
+            for x in (0..a.width).step_by(tile as usize) {
+                let area = [x, y, (x + tile).min(a.width), (y + tile).min(a.height)];
+                let (left, right) = (tile_average(a, area), tile_average(b, area));
+                for channel in 0..3 {
+                    count += 1;
+                    let (l, r) = (left[channel], right[channel]);
+                    worst.see(l.z(&r).abs(), || {
+                        format!("tile from ({x}, {y}), channel {channel}: {:.5} against {:.5}", l.mean, r.mean)
+                    });
+                }
+            }
+        }
+        self.note(worst.figure(
+            technique,
+            format!("{what}: largest |z| of {count} tiles and channels"),
+            z_at(0.01, count),
+        ));
+        let whole = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b).abs()).fold(0.0, f64::max);
+        self.note(Figure::at_most(technique, format!("{what}: |z| of the whole image"), whole, z_at(1e-3, 3)));
+    }
+}
+
+/// The deviation that one of `count` tests exceeds with probability `alpha` for all together.
+fn z_at(alpha: f64, count: usize) -> f64 {
+    let p = sidak(alpha, count);
+    let (mut low, mut high) = (0.0, 20.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if two_sided_p(middle) > p { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// The mean over all pixels and its variance, per channel, from the film's own variance.
+pub(super) fn average(film: &Film) -> [Estimate; 3] {
+    tile_average(film, [0, 0, film.width, film.height])
+}
+
+/// The same over the rectangle from the first two to the last two.
+pub(super) fn tile_average(film: &Film, [left, top, right, bottom]: [u32; 4]) -> [Estimate; 3] {
+    let count = f64::from(right - left) * f64::from(bottom - top);
+    let mut sums = [Estimate::default(); 3];
+    for y in top..bottom {
+        for x in left..right {
+            let pixel = (y * film.width + x) as usize;
+            let n = film.counts[pixel].max(1) as f64;
+            for (channel, total) in sums.iter_mut().enumerate() {
+                let (sum, squares) = (film.sums[pixel][channel], film.squares[pixel][channel]);
+                total.mean += sum / n / count;
+                total.variance += ((squares - sum * sum / n) / (n - 1.0).max(1.0)).max(0.0) / n / (count * count);
+            }
+        }
+    }
+    sums
+}
+
+/// The pixel that is farthest from the mean of all, for its noise.
+fn oddest_pixel(film: &Film, channel: usize) -> String {
+    let (mean, variance) = (film.mean(), film.mean_variance());
+    let all = film.average()[channel];
+    let off = |pixel: usize| {
+        let deviation = f64::from(variance.pixels[pixel][channel]).sqrt().max(1e-6 * all.abs()).max(1e-30);
+        (f64::from(mean.pixels[pixel][channel]) - all).abs() / deviation
+    };
+    let odd = (0..mean.pixels.len()).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
+    let (x, y) = (odd as u32 % film.width.max(1), odd as u32 / film.width.max(1));
+    format!("pixel ({x}, {y}): {:.5}, {:.1} standard deviations off the mean", mean.pixels[odd][channel], off(odd))
+}
