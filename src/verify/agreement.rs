@@ -83,15 +83,15 @@ fn all_agree(run: &mut Run, what: &str, scene: &Scene, spp: u32) -> Result<()> {
 /// Paths from the light need Veach's adjoint of normals that are not those of the surface.
 pub(super) fn shading_normals(run: &mut Run) -> Result<()> {
     let scene = uneven(heights(16), 16, true, false)?;
-    all_agree(run, "bumps and a coarse ball", &scene, run.pick(128, 48))
+    all_agree(run, "bumps and a coarse ball", &scene, run.pick(96, 48))
 }
 
 /// Normal maps that point below the surface: nothing is lit from behind, gained or not finite, and light's paths agree.
 pub(super) fn normals_below_surface(run: &mut Run) -> Result<()> {
     let scene = uneven(normals_below(16), 16, false, false)?;
-    all_agree(run, "a normal map", &scene, run.pick(128, 48))?;
+    all_agree(run, "a normal map", &scene, run.pick(96, 48))?;
     let scene = uneven(normals_below(16), 16, false, true)?;
-    let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(1024, 256))?;
+    let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(640, 256))?;
     // White under a white sky: what a pixel has beyond one is gained, but for noise.
     let (mean, variance) = (film.mean(), film.mean_variance());
     let mut worst = super::figure::Worst::default();
@@ -145,10 +145,10 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::ROUGH_METAL, 32)?;
     let limited = |settings: Settings| Settings { max_depth: Some(6), ..settings };
     let settings = limited(run.settings(&scene, "path")?);
-    let film = run.render(&scene, &Settings { seed: 1000, ..settings }, run.pick(16_384, 2048))?;
+    let film = run.render(&scene, &Settings { seed: 1000, ..settings }, run.pick(8192, 2048))?;
     let truth = tile_average(&film, [0, 0, 32, 32])[1];
-    for form in run.pick(vec!["primary", "multiplexed"], vec!["primary"]) {
-        for chains in run.pick(vec![100, 1000, 10_000, 100_000, 1_000_000], vec![1000]) {
+    for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
+        for chains in run.pick(vec![100, 10_000, 1_000_000], vec![1000]) {
             let technique = format!("mlt:form={form}:chains={chains}:candidates=1");
             let settings = limited(run.settings(&scene, &technique)?);
             let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;

@@ -116,8 +116,8 @@ fn fit_of(probe: &Probe, id: usize, transmits: bool, alpha: f64, wo: [f32; 3], a
     let mut points = Vec::new();
     for (side, rings) in rings.iter().enumerate().take(if transmits { 2 } else { 1 }) {
         let here = if side == 0 { 1.0 } else { -1.0 };
-        // Towards grazing a peak is narrower across than along the plane of incidence.
-        let fine = if wo[2] < 0.1 { 24 } else { 6 };
+        // Towards grazing a peak is narrower across than along the plane of incidence; and the horizon cuts the cells of wide ones.
+        let fine = if wo[2] < 0.1 || alpha > 0.5 { 24 } else { 6 };
         let inside = rings.points(fine).into_iter().filter(|(wi, _, _)| wi.z * here > 0.0);
         points.extend(inside.map(|(wi, solid_angle, cell)| (wi, solid_angle, side * rings.cells() + cell)));
     }

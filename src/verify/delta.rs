@@ -65,7 +65,9 @@ pub(super) fn nested(run: &mut Run) -> Result<()> {
         ("overlapping", [(aside, 0.7, 1.5), (-aside, 0.7, 1.5)]),
     ] {
         let scene = scene(&balls)?;
-        for technique in run.thorough(&scene) {
+        // Roulette of a constant probability knows nothing of what comes back on the way out of glass: where light goes round in it, a
+        // sample has no finite variance.
+        for technique in run.thorough(&scene).into_iter().filter(|technique| *technique != "path-implicit") {
             let film = run.render(&scene, &run.settings(&scene, technique)?, run.pick(256, 64))?;
             run.mean(technique, name, &film, 0, 1.0);
         }

@@ -241,9 +241,9 @@ pub(super) fn roulette(run: &mut Run) -> Result<()> {
     let all = [
         (0.99, "path", 5, 1000),
         (0.99, "path", 2000, 200),
-        (0.99, "path-implicit:q=0.01", 1, 4000),
+        (0.99, "path-implicit:q=0.01", 1, 2500),
         (0.9, "path", 5, 1000),
-        (0.9, "path-implicit", 1, 4000),
+        (0.9, "path-implicit", 1, 2500),
         (0.9, "path-implicit:q=0.02", 1, 1000),
         (0.9, "light", 5, 1000),
         (0.9, "bdpt", 5, 200),
