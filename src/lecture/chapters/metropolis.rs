@@ -18,7 +18,7 @@ const MUTATIONS: u32 = 250;
 const FORMS: [(&str, &str, &str); 3] = [
     ("primary", "Primary sample space", "Espacio primario de muestras"),
     ("multiplexed", "Multiplexed", "Multiplexado"),
-    ("path", "Path space", "Espacio de caminos"),
+    ("paths", "Path space", "Espacio de caminos"),
 ];
 
 fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
