@@ -83,13 +83,13 @@ fn all_agree(run: &mut Run, what: &str, scene: &Scene, spp: u32) -> Result<()> {
 /// Paths from the light need Veach's adjoint of normals that are not those of the surface.
 pub(super) fn shading_normals(run: &mut Run) -> Result<()> {
     let scene = uneven(heights(16), 16, true, false)?;
-    all_agree(run, "bumps and a coarse ball", &scene, run.pick(96, 48))
+    all_agree(run, "bumps and a coarse ball", &scene, run.pick(72, 48))
 }
 
 /// Normal maps that point below the surface: nothing is lit from behind, gained or not finite, and light's paths agree.
 pub(super) fn normals_below_surface(run: &mut Run) -> Result<()> {
     let scene = uneven(normals_below(16), 16, false, false)?;
-    all_agree(run, "a normal map", &scene, run.pick(96, 48))?;
+    all_agree(run, "a normal map", &scene, run.pick(72, 48))?;
     let scene = uneven(normals_below(16), 16, false, true)?;
     let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(640, 256))?;
     // White under a white sky: what a pixel has beyond one is gained, but for noise.
@@ -117,13 +117,13 @@ pub(super) fn specular_diffuse_specular(run: &mut Run) -> Result<()> {
     look(&mut builder, 32, DVec3::new(0.0, 2.5, 6.0), DVec3::new(0.0, 0.4, 0.0), 40.0)?;
     let scene = builder.finish()?;
     let settings = run.settings(&scene, "photon:radius=0.01")?;
-    let limit = run.render(&scene, &settings, run.pick(1024, 256))?.average()[1];
+    let limit = run.render(&scene, &settings, run.pick(768, 256))?.average()[1];
     let all = vec!["path-implicit", "path", "light", "bdpt", "vcm", "mlt"];
     let techniques =
         run.pick(if run.backend == Backend::Bvh { all } else { vec!["path-implicit", "path"] }, vec!["path"]);
     for technique in techniques {
         let settings = run.settings(&scene, technique)?;
-        let film = run.render(&scene, &settings, run.pick(1024, 256))?;
+        let film = run.render(&scene, &settings, run.pick(768, 256))?;
         let found = average(&film)[1];
         let missing = settings.technique.misses(&scene);
         let share = 1.0 - found.mean / limit;
