@@ -3,8 +3,7 @@
 //
 // Form `primary` makes paths as `path` does (Kelemen et al. 2002, primary sample space); form `multiplexed` makes one of a given length
 // by one strategy of bidirectional path tracing at a time (Hachisuka et al. 2014); form `paths` mutates the vertices of paths themselves
-// (Veach and Guibas 1997). Consistent: the mean over all paths, which each visit
-// brings, is estimated beside them.
+// (Veach and Guibas 1997). Consistent: the mean over all paths, which each visit brings, is estimated beside them.
 //
 // Frames of no samples make the paths that chains may begin with; the host chooses among them.
 #version 460
@@ -26,7 +25,10 @@ struct Walk {
     vec2 position;
     float share, ratio;
 };
-bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return mutation_open(p, room, e, w.mutation); }
+bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
+    mutation_open(p, room, w.mutation);
+    return true;
+}
 bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
     bool goes_on = mutation_follow(w.mutation, p, e, w.share, w.ratio);
     w.position = w.mutation.position;

@@ -74,11 +74,20 @@ void proposal_close(Proposal p, vec2 position, float share, uint sample_index, i
     estimate_clear(e);
 }
 
+// Whole pixels by which filters reach into the image from beside it.
+float image_border() { return ceil(max(filter_radius() - 0.5, 0.0)); }
+
 // A position in the image and, where filters are wider than a pixel, the border from which they reach into it: uniform over
 // `light_path_count` pixels.
 vec2 image_place(vec2 u) {
-    float border = ceil(max(filter_radius() - 0.5, 0.0));
+    float border = image_border();
     return u * (vec2(frame.width, frame.height) + 2.0 * border) - border;
+}
+
+// Whether image_place comes there.
+bool inside_image(vec2 position) {
+    float border = image_border();
+    return all(greaterThanEqual(position, vec2(-border))) && all(lessThan(position, vec2(frame.width, frame.height) + border));
 }
 
 // Adds what stands for a visit with this probability to the pixel there, layer by layer.

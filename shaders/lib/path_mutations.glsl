@@ -89,11 +89,6 @@ void place_camera(Mutation m, vec3 position) {
     path_vertex(m.route.chain, m.route.slot, 0u).vertex = new_vertex(position, VERTEX_SURFACE);
 }
 
-bool inside_image(vec2 position) {
-    float border = ceil(max(filter_radius() - 0.5, 0.0));
-    return all(greaterThanEqual(position, vec2(-border))) && all(lessThan(position, vec2(frame.width, frame.height) + border));
-}
-
 // Begins to make vertices from the light: chooses its own too where all are replaced.
 void begin_light(inout Mutation m) {
     m.backwards = true;
@@ -298,7 +293,7 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
 }
 
 // Begins a proposal for the chain, or a candidate in its room.
-bool mutation_open(Proposal p, uint room, inout Estimate e, out Mutation m) {
+void mutation_open(Proposal p, uint room, out Mutation m) {
     bool begun = p.from.known != NONE && !p.candidate;
     m.random = p.random;
     m.random.known = 0u;
@@ -308,7 +303,6 @@ bool mutation_open(Proposal p, uint room, inout Estimate e, out Mutation m) {
     m.position = p.from.position;
     m.route = Route(room, 1u - m.current, p.large ? p.kind + 1u : m.from_segments, 0u, 0u, NONE);
     mutation_begin(m);
-    return true;
 }
 
 // Where the camera sees the path's first vertex that was not made from there; false where it does not.

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec3};
 use super::Run;
 use super::figure::{Figure, Worst};
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, look};
-use super::run::average;
+use super::run::{average, differing};
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::integrator::Solves;
@@ -146,8 +146,7 @@ pub(super) fn coplanar(run: &mut Run) -> Result<()> {
     for channel in 0..3 {
         run.mean("path", &format!("glowing walls, channel {channel}"), &films[0], channel, radiance(channel));
     }
-    let differ = films[0].sums.iter().zip(&films[1].sums).filter(|(a, b)| a != b).count();
-    run.note(Figure::at_most("path", "pixels that differ between two runs", differ as f64, 0.0));
+    run.note(Figure::at_most("path", "pixels that differ between two runs", differing(&films[0], &films[1]), 0.0));
     let room = |walls: &[Mesh]| {
         let mut builder = SceneBuilder::new("room");
         let wall = glowing(&mut builder, ALBEDO, [0.0; 3]);
@@ -197,8 +196,7 @@ pub(super) fn degenerate(run: &mut Run) -> Result<()> {
     );
     let film = |run: &mut Run, scene: &Scene| run.render(scene, &run.settings(scene, "path")?, 64);
     let (a, b) = (film(run, &clean)?, film(run, &spoilt)?);
-    let differ = a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count();
-    run.note(Figure::at_most("path", "pixels that differ from the cleaned mesh", differ as f64, 0.0));
+    run.note(Figure::at_most("path", "pixels that differ from the cleaned mesh", differing(&a, &b), 0.0));
     for channel in 0..3 {
         run.mean("path", &format!("channel {channel}"), &b, channel, radiance(channel));
     }

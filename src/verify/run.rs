@@ -225,6 +225,11 @@ fn z_at(alpha: f64, count: usize) -> f64 {
     high
 }
 
+/// Pixels whose sums are not the same bits.
+pub(super) fn differing(a: &Film, b: &Film) -> f64 {
+    a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count() as f64
+}
+
 /// The mean over all pixels and its variance, per channel, from the film's own variance.
 pub(super) fn average(film: &Film) -> [Estimate; 3] {
     tile_average(film, [0, 0, film.width, film.height])

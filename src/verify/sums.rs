@@ -6,7 +6,7 @@ use super::Run;
 use super::figure::{Figure, Worst};
 use super::geometry::{lamp, look};
 use super::room;
-use super::run::average;
+use super::run::{average, differing};
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::film::Image;
@@ -138,9 +138,8 @@ pub(super) fn splats(run: &mut Run) -> Result<()> {
     } {
         let settings = run.settings(&scene, technique)?;
         let (a, b) = (run.render(&scene, &settings, 16)?, run.render(&scene, &settings, 16)?);
-        let differ = a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count();
         let dark = f64::from(u8::from(a.average()[1] <= 0.0));
-        run.note(Figure::at_most(technique, "pixels that differ between two runs", differ as f64 + dark, 0.0));
+        run.note(Figure::at_most(technique, "pixels that differ between two runs", differing(&a, &b) + dark, 0.0));
     }
     Ok(())
 }
