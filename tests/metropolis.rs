@@ -25,7 +25,7 @@ fn small(scene: &Scene, technique: &str) -> Settings {
     Settings { width: SIZE, height: SIZE, ..settings(scene, technique, Backend::Bvh) }
 }
 
-/// The films of so many seeds.
+/// The films of so many seeds from that of the settings on.
 fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32) -> Vec<Film> {
     let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
     let film = |seed| {
@@ -35,7 +35,7 @@ fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32) ->
         assert_eq!(film.nonfinite, 0, "{:?}", film.bad_samples);
         film
     };
-    (0..seeds).map(film).collect()
+    (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
 /// Both forms against an independent technique, tile by tile. Tiles of one seed's image hang together, so the mean of each is taken
@@ -116,6 +116,68 @@ fn the_canon() {
     ] {
         agree(forms, name, &canon(name, &[]), reference, spp, |_| {});
     }
+}
+
+/// Every scene there is, every form, against `bdpt`: how far tiles are off in standard deviations of both (Welch 1947), and the whole image.
+/// What fails is listed with its reason.
+#[test]
+#[ignore = "half an hour; docs/metropolis.md has its figures"]
+fn the_whole_canon() {
+    const SCENES: [&str; 14] = [
+        "cornell.xml",
+        "cornell_spheres.xml",
+        "veach_mis.xml",
+        "bidirectional_room.xml",
+        "door_ajar.xml",
+        "small_vcm.xml",
+        "many_lights.xml",
+        "cube_point_light.xml",
+        "furnace_box.xml",
+        "furnace_sphere.xml",
+        "caustic_small_light.xml",
+        "reflected_caustic.xml",
+        "ring_caustic.xml",
+        "torus_in_glass.xml",
+    ];
+    let mut apart = Vec::new();
+    with_gpu(|gpu| {
+        for name in SCENES {
+            let scene = canon(name, &[]);
+            let over_seeds = |technique: &str, first: u32| {
+                let settings = Settings { width: 32, height: 32, seed: first, ..small(&scene, technique) };
+                tiles_over(&films(gpu, &scene, &settings, 40, 256))
+            };
+            let truth = over_seeds("bdpt", 1000);
+            for technique in FORMS {
+                let found = over_seeds(technique, 0);
+                let count = found.sums.len();
+                let of = |film: &Film, pixel: usize| {
+                    tile_average(
+                        film,
+                        pixel as u32 % film.width..pixel as u32 % film.width + 1,
+                        pixel as u32 / film.width..pixel as u32 / film.width + 1,
+                    )
+                };
+                let z = (0..count)
+                    .flat_map(|pixel| (0..3).map(move |channel| (pixel, channel)))
+                    .map(|(pixel, channel)| of(&found, pixel)[channel].z(&of(&truth, pixel)[channel]))
+                    .fold(0.0f64, |worst, z| if z.abs() > worst.abs() { z } else { worst });
+                let [_, a, _] = common::average(&found);
+                let [_, b, _] = common::average(&truth);
+                let spread = 100.0 * (a.variance + b.variance).sqrt() / b.mean;
+                println!(
+                    "{name} {technique}: largest z {z:.2}; whole image {:+.2} % +- {spread:.2} %, z {:.2}",
+                    100.0 * (a.mean / b.mean - 1.0),
+                    a.z(&b)
+                );
+                let p = lumbre::metrics::stats::two_sided_p(z);
+                if p < lumbre::metrics::stats::sidak(0.01, 3 * count) {
+                    apart.push(format!("{name} {technique}: z {z:.2}"));
+                }
+            }
+        }
+    });
+    assert!(apart.is_empty(), "{apart:#?}");
 }
 
 /// Every kind of light, and a background.

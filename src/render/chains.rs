@@ -131,6 +131,8 @@ pub(super) struct Chains {
     /// Candidates that there are already, and how many fit into a frame, by the last one's speed.
     made: u64,
     capacity: u64,
+    /// The probability of each kind of length.
+    shares: Vec<f64>,
     /// What candidates bring in the mean, once they are all there.
     mean: Option<f64>,
     /// Sum of what they bring, and of its square.
@@ -155,6 +157,7 @@ impl Chains {
             candidates: Buffer::new(gpu, "candidates", candidate_bytes)?,
             made: 0,
             capacity: frames::FIRST,
+            shares: Vec::new(),
             mean: None,
             sums: [0.0; 2],
         };
@@ -166,7 +169,8 @@ impl Chains {
     pub fn restart(&mut self) -> Result<()> {
         (self.made, self.mean, self.sums) = (0, None, [0.0; 2]);
         let kinds = self.size.kinds as usize;
-        self.describe(&vec![1.0 / kinds as f64; kinds], 0.0)
+        self.shares = vec![1.0 / kinds as f64; kinds];
+        self.describe(0.0)
     }
 
     /// Device address of the table.
@@ -224,7 +228,8 @@ impl Chains {
         }
         let all = shares.len() as f64;
         shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / self.sums[0]);
-        self.describe(&shares, mean)?;
+        self.shares = shares;
+        self.describe(mean)?;
         Ok(candidates)
     }
 
@@ -242,9 +247,10 @@ impl Chains {
     }
 
     /// Writes the table, with the probability of each kind of length.
-    fn describe(&self, shares: &[f64], mean: f64) -> Result<()> {
+    fn describe(&self, mean: f64) -> Result<()> {
         let mut sum = 0.0;
-        let mut cumulative: Vec<f32> = shares
+        let mut cumulative: Vec<f32> = self
+            .shares
             .iter()
             .map(|share| {
                 sum += share;
@@ -273,11 +279,21 @@ impl Chains {
         self.table.upload(bytemuck::bytes_of(&table))
     }
 
+    /// Where each chain is.
+    pub fn states(&self) -> Result<Vec<Chain>> {
+        self.states.read(self.size.chains as usize)
+    }
+
+    /// The probability of each kind of length.
+    pub fn shares(&self) -> Vec<f64> {
+        self.shares.clone()
+    }
+
     /// What the film is to be multiplied by: the mean of what all independent paths so far bring, over that by which chains scaled their
     /// visits; 1 before any.
     pub fn correction(&self) -> Result<f64> {
         let Some(mean) = self.mean.filter(|mean| *mean > 0.0) else { return Ok(1.0) };
-        let states: Vec<Chain> = self.states.read(self.size.chains as usize)?;
+        let states = self.states()?;
         let sum: f64 = states.iter().map(|chain| f64::from(chain.sum) + f64::from(chain.sum_low)).sum();
         let count: f64 = states.iter().map(|chain| f64::from(chain.large_steps)).sum();
         Ok((self.sums[0] + sum) / (self.size.candidates as f64 + count) / f64::from(mean as f32))

@@ -32,7 +32,7 @@ use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::{self, Kept, Over, Pass};
-use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
+use crate::layout::{BAD_SAMPLES, Chain, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
 use crate::scene::patches::Quartered;
 use crate::strategies::Strategy;
@@ -274,6 +274,16 @@ impl Renderer {
     /// What was uploaded.
     pub fn scene(&self) -> &Uploaded {
         &self.passes[0].1.scene
+    }
+
+    /// Where the Markov chains are, where the technique has some.
+    pub fn chains(&self) -> Result<Vec<Chain>> {
+        self.chains.as_ref().map_or(Ok(Vec::new()), Chains::states)
+    }
+
+    /// The probability that a large step of these has 1, 2, ... segments.
+    pub fn length_shares(&self) -> Vec<f64> {
+        self.chains.as_ref().map_or(Vec::new(), Chains::shares)
     }
 
     /// What it renders with.

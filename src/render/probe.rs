@@ -3,9 +3,10 @@
 
 use bytemuck::Pod;
 
+use super::frames::Frame;
 use super::kernel::Kernel;
 use super::upload::{Uploaded, sphere_radius};
-use super::{Settings, memory};
+use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
 use crate::layout::{FrameConstants, WORKGROUP, address};
@@ -59,13 +60,21 @@ impl Probe {
 
     /// The same on buffers that are already there.
     pub fn run_on(&self, from: &Buffer, to: &Buffer, count: u32) -> Result<Work> {
-        let (workgroups, most) = (count.div_ceil(WORKGROUP).max(1), self.gpu.limits().max_workgroups);
-        if workgroups > most {
-            let (name, device) = (&self.name, &self.gpu.survey().name);
-            let fit = u64::from(most) * u64::from(WORKGROUP);
-            return Err(Error::Usage(format!("{name} over {count} elements: {device} runs {fit} at once")));
-        }
-        let constants = FrameConstants {
+        self.dispatch(self.constants(from, to, count), count)
+    }
+
+    /// One thread per element of `input`, on the chains of a rendering under way with the same scene and settings.
+    pub fn run_on_chains<I: Pod, O: Pod>(&self, renderer: &Renderer, input: &[I]) -> Result<Vec<O>> {
+        let from = Buffer::with_data(&self.gpu, "probe input", input)?;
+        let to = Buffer::zeroed(&self.gpu, "probe output", size_of::<O>() as u64 * input.len() as u64)?;
+        let own = self.constants(&from, &to, input.len() as u32);
+        let FrameConstants { chains, light_path_count, .. } = renderer.constants(Frame::NOTHING);
+        self.dispatch(FrameConstants { chains, light_path_count, ..own }, input.len() as u32)?;
+        to.read(input.len())
+    }
+
+    fn constants(&self, from: &Buffer, to: &Buffer, count: u32) -> FrameConstants {
+        FrameConstants {
             film: address(to.address()),
             lengths: address(from.address()),
             slot_count: count,
@@ -77,7 +86,16 @@ impl Probe {
             height: self.size.1,
             seed: self.seed,
             ..FrameConstants::default()
-        };
+        }
+    }
+
+    fn dispatch(&self, constants: FrameConstants, count: u32) -> Result<Work> {
+        let (workgroups, most) = (count.div_ceil(WORKGROUP).max(1), self.gpu.limits().max_workgroups);
+        if workgroups > most {
+            let (name, device) = (&self.name, &self.gpu.survey().name);
+            let fit = u64::from(most) * u64::from(WORKGROUP);
+            return Err(Error::Usage(format!("{name} over {count} elements: {device} runs {fit} at once")));
+        }
         let kernel = &self.kernel;
         self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
             commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);

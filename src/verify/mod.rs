@@ -4,6 +4,7 @@
 //! finds its bound broken says where it was worst, and the suite goes on. Adding a row is one entry in the table and one function.
 
 mod agreement;
+mod balance;
 mod brute_force;
 mod bsdf;
 mod delta;
@@ -22,6 +23,7 @@ mod run;
 pub mod sampling;
 mod sums;
 mod table;
+mod toy;
 mod weights;
 
 use std::path::Path;

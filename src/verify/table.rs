@@ -1,7 +1,8 @@
 //! The rows of the suite: the only place where a new one is announced.
 
 use super::{
-    Case, On, agreement, bsdf, delta, draws, emitters, formulas, furnaces, leaving, outlines, placed, sums, weights,
+    Case, On, agreement, balance, bsdf, delta, draws, emitters, formulas, furnaces, leaving, outlines, placed, sums,
+    toy, weights,
 };
 
 const MEAN: &str = "0.1 % or 3 sigma";
@@ -271,6 +272,22 @@ pub const CASES: &[Case] = &[
         source: "path",
         on: On::Once,
         measure: agreement::mlt_start,
+    },
+    Case {
+        name: "mlt-toy",
+        tests: "where 16 384 chains of each form are after 128 mutations, on a mosaic of 64 lamps",
+        bound: "chi-square z of 3",
+        source: "in proportion to what the lamps emit",
+        on: On::Once,
+        measure: toy::chains,
+    },
+    Case {
+        name: "mlt-balance",
+        tests: "the ratio that decides on each mutation of paths, in a room with a mirror, rough metal and water",
+        bound: "10^-3 of it, each proposal",
+        source: "Hastings 1970: densities multiplied out on the host, solid angles by neighbouring rays",
+        on: On::Once,
+        measure: balance::balance,
     },
     Case {
         name: "watertight",
