@@ -221,6 +221,34 @@ fn damaged_files_are_refused() {
     });
 }
 
+/// A checkpoint that may not be on the disk yet takes the place of none: a pipe takes all its bytes, and cannot be synced.
+#[test]
+fn what_cannot_be_synced_takes_no_place() {
+    let scene = canon("cornell.xml", &[("size", "8")]);
+    let folder = tempfile::tempdir().unwrap();
+    let [path, previous, partial] =
+        ["a.ckpt", "a.ckpt.previous", "a.ckpt.partial"].map(|name| folder.path().join(name));
+    with_gpu(|gpu| {
+        let (settings, newest) = two_checkpoints(gpu, &scene, &path);
+        let before = [&path, &previous].map(|file| std::fs::read(file).unwrap());
+        let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
+        let mut files = Checkpoints::open(&path).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&partial).status().unwrap().success());
+        let pipe = partial.clone();
+        let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
+        let error = files.save(&newest, &mut renderer).expect_err("it was not synced, or not before it was let in");
+        assert!(error.to_string().starts_with(&format!("cannot write {}: ", path.display())), "{error}");
+        assert_eq!(reader.join().unwrap().len(), before[0].len(), "it was written whole");
+        // A pipe in the place of a checkpoint would be read for ever.
+        assert!([&path, &previous].iter().all(|file| file.metadata().unwrap().is_file()), "a pipe took its place");
+        assert!([&path, &previous].map(|file| std::fs::read(file).unwrap()) == before, "the checkpoints changed");
+        assert!(!partial.exists(), "what was not let in is left behind");
+        std::fs::write(&partial, b"").unwrap();
+        files.save(&newest, &mut renderer).unwrap();
+        assert!(std::fs::read(&previous).unwrap() == before[0], "the newest one became the one before it");
+    });
+}
+
 /// A checkpoint of another rendering is refused, and the message names what differs and nothing else.
 #[test]
 fn checkpoints_of_other_renderings_are_refused() {
