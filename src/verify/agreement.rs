@@ -15,13 +15,11 @@ use crate::scene::material::{self, MaterialDescription};
 use crate::scene::texture::{Pattern, Texels, TextureDescription, TextureImage};
 use crate::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
 
-/// A floor with bumps or with normals from an image, and an octahedron that is shaded as a ball, under a lamp or a white sky.
-fn uneven(texels: Vec<[f32; 4]>, side: u32, is_bump: bool, sky: bool) -> Result<Scene> {
-    let mut builder = SceneBuilder::new("uneven");
+/// A floor of side 6 with bumps or with normals from an image.
+fn uneven_floor(builder: &mut SceneBuilder, texels: Vec<[f32; 4]>, side: u32, is_bump: bool, albedo: [f32; 3]) {
     let image = TextureImage { source: "bumps".into(), width: side, height: side, texels: Texels::Float(texels) };
     let image = builder.image(image);
     let texture = builder.texture(TextureDescription::new(Pattern::Image(image)));
-    let albedo = if sky { [1.0; 3] } else { [0.7, 0.6, 0.5] };
     let mut floor: MaterialDescription = material::diffuse(albedo).into();
     floor.record.flags |= crate::layout::MATERIAL_HAS_TANGENTS;
     if is_bump {
@@ -33,6 +31,12 @@ fn uneven(texels: Vec<[f32; 4]>, side: u32, is_bump: bool, sky: bool) -> Result<
     let floor = builder.surface(SurfaceDescription { front: floor, ..SurfaceDescription::default() });
     let place = DAffine3::from_scale(DVec3::splat(3.0)) * DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     builder.mesh(0, "floor", Mesh::rectangle(), place, floor);
+}
+
+/// A floor with bumps or with normals from an image, and an octahedron that is shaded as a ball, under a lamp or a white sky.
+fn uneven(texels: Vec<[f32; 4]>, side: u32, is_bump: bool, sky: bool) -> Result<Scene> {
+    let mut builder = SceneBuilder::new("uneven");
+    uneven_floor(&mut builder, texels, side, is_bump, if sky { [1.0; 3] } else { [0.7, 0.6, 0.5] });
     if sky {
         builder.background = Some([1.0; 3]);
     } else {
@@ -49,6 +53,20 @@ fn uneven(texels: Vec<[f32; 4]>, side: u32, is_bump: bool, sky: bool) -> Result<
         builder.parallelogram(v(-0.6, 2.6, -0.6), DVec3::X * 1.2, DVec3::Z * 1.2, light);
     }
     look(&mut builder, 48, DVec3::new(0.0, 1.5, 6.0), DVec3::new(0.0, 0.5, 0.0), 40.0)?;
+    builder.finish()
+}
+
+/// Light that grazes a floor with bumps, and a ceiling that is lit from there: what a path from the light meets first changes what it
+/// carries on.
+fn grazed(texels: Vec<[f32; 4]>, side: u32) -> Result<Scene> {
+    let mut builder = SceneBuilder::new("grazed");
+    uneven_floor(&mut builder, texels, side, true, [0.9; 3]);
+    let v = DVec3::new;
+    let ceiling = builder.matte([0.7, 0.6, 0.5]);
+    builder.parallelogram(v(-3.0, 1.2, -3.0), DVec3::X * 6.0, DVec3::Z * 6.0, ceiling);
+    let light = lamp(&mut builder, [9.0, 8.0, 7.0]);
+    builder.parallelogram(v(-2.9, 0.01, -2.0), DVec3::Y * 0.3, DVec3::Z * 4.0, light);
+    look(&mut builder, 32, v(0.0, 0.6, 6.0), v(0.0, 0.6, 0.0), 40.0)?;
     builder.finish()
 }
 
@@ -83,7 +101,8 @@ fn all_agree(run: &mut Run, what: &str, scene: &Scene, spp: u32) -> Result<()> {
 /// Paths from the light need Veach's adjoint of normals that are not those of the surface.
 pub(super) fn shading_normals(run: &mut Run) -> Result<()> {
     let scene = uneven(heights(16), 16, true, false)?;
-    all_agree(run, "bumps and a coarse ball", &scene, run.pick(72, 48))
+    all_agree(run, "bumps and a coarse ball", &scene, run.pick(72, 48))?;
+    all_agree(run, "bumps that light grazes", &grazed(heights(16), 16)?, run.pick(96, 48))
 }
 
 /// Normal maps that point below the surface: nothing is lit from behind, gained or not finite, and light's paths agree.

@@ -42,17 +42,34 @@ fn vector(v: [f32; 3]) -> DVec3 {
     DVec3::from(v.map(f64::from))
 }
 
-/// Mean weight of the first channel; radiance that crossed into a medium is taken back to what it was.
-fn albedo(probe: &Probe, id: usize, of: &MaterialDescription, thin: bool, wo: [f32; 3], u: &[[f32; 3]]) -> Result<f64> {
-    let ask = |u: &[f32; 3]| BsdfQuery { material: id as u32, wo, wi: [0.0, 0.0, 1.0], u: *u };
-    let answers: Vec<BsdfAnswer> = probe.run(&u.iter().map(ask).collect::<Vec<_>>())?;
-    let eta = f64::from(of.record.eta);
-    let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
-    let factor = |answer: &BsdfAnswer| {
-        let crossed = of.transmits() && !thin && answer.sampled[2] * wo[2] < 0.0;
-        if crossed { eta * eta } else { 1.0 }
+/// Mean weight of the first channel of all these materials, of which `first` is the first one's place; radiance that crossed into a medium
+/// is taken back to what it was.
+fn albedos(
+    probe: &Probe,
+    first: usize,
+    all: &[MaterialDescription],
+    thin: bool,
+    wo: [f32; 3],
+    u: &[[f32; 3]],
+) -> Result<Vec<f64>> {
+    let ask = |id: usize, u: &[f32; 3]| BsdfQuery { material: id as u32, wo, wi: [0.0, 0.0, 1.0], u: *u };
+    let queries: Vec<_> = (first..first + all.len()).flat_map(|id| u.iter().map(move |u| ask(id, u))).collect();
+    let answers: Vec<BsdfAnswer> = probe.run(&queries)?;
+    let of = |(material, answers): (&MaterialDescription, &[BsdfAnswer])| {
+        let eta = f64::from(material.record.eta);
+        let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
+        let factor = |answer: &BsdfAnswer| {
+            let crossed = material.transmits() && !thin && answer.sampled[2] * wo[2] < 0.0;
+            if crossed { eta * eta } else { 1.0 }
+        };
+        answers.iter().map(|answer| f64::from(answer.weight[0]) * factor(answer)).sum::<f64>() / u.len() as f64
     };
-    Ok(answers.iter().map(|answer| f64::from(answer.weight[0]) * factor(answer)).sum::<f64>() / answers.len() as f64)
+    Ok(all.iter().zip(answers.chunks(u.len())).map(of).collect())
+}
+
+/// The same of one material.
+fn albedo(probe: &Probe, id: usize, of: &MaterialDescription, wo: [f32; 3], u: &[[f32; 3]]) -> Result<f64> {
+    Ok(albedos(probe, id, std::slice::from_ref(of), false, wo, u)?[0])
 }
 
 /// GGX of alpha 10^-5 to 1 under cosines of 10^-3 to 1: samples against densities, and the step to what is smooth.
@@ -71,6 +88,7 @@ pub(super) fn ggx_limit(run: &mut Run) -> Result<()> {
     let numbers: Vec<[f32; 3]> = (0..count).map(|_| [0; 3].map(|_| (random.next() as f32).min(0.999_999_9))).collect();
     for (kind, (name, _)) in makes.into_iter().enumerate() {
         let (mut finite, mut fit, mut step) = (0usize, Worst::default(), Worst::default());
+        let mut all = Worst::default();
         for (index, alpha) in alphas.iter().enumerate() {
             let id = kind * (alphas.len() + 1) + index;
             for cos in cosines {
@@ -86,8 +104,9 @@ pub(super) fn ggx_limit(run: &mut Run) -> Result<()> {
                 finite += answers.iter().filter(|answer| !sound(answer)).count();
                 // Below, directions in single precision are too coarse to tell where in the peak they are.
                 if *alpha >= 1e-3 && cos >= 0.03 {
-                    let z = fit_of(&probe, id, name == "glass", f64::from(*alpha), wo, &answers)?;
+                    let (z, z_of_all) = fit_of(&probe, id, name == "glass", f64::from(*alpha), wo, &answers)?;
                     fit.see(z, || place.clone());
+                    all.see(z_of_all, || place.clone());
                 }
             }
         }
@@ -95,20 +114,33 @@ pub(super) fn ggx_limit(run: &mut Run) -> Result<()> {
         let smooth = kind * (alphas.len() + 1) + alphas.len();
         for cos in [0.1f32, 0.3, 0.6, 1.0] {
             let wo = direction(cos, 0.7);
-            let of = |id: usize| albedo(&probe, id, &materials[id], false, wo, &u);
+            let of = |id: usize| albedo(&probe, id, &materials[id], wo, &u);
             let (rough, smooth) = (of(smooth - alphas.len())?, of(smooth)?);
             step.see((rough / smooth - 1.0).abs(), || format!("cosine {cos}: {rough:.5} at 1e-5, {smooth:.5} smooth"));
         }
         run.note(Figure::at_most("bsdf", format!("{name}: samples that are not finite"), finite as f64, 0.0));
         // p > 0.01 for all of them together.
         run.note(fit.figure("bsdf", format!("{name}: chi-square z of samples against density"), 3.5));
+        run.note(all.figure(
+            "bsdf",
+            format!("{name}: |z| of the number of samples against the density's integral"),
+            3.5,
+        ));
         run.note(step.figure("bsdf", format!("{name}: step of the albedo to what is smooth"), 5e-3));
     }
     Ok(())
 }
 
-/// Chi-square z of samples against their density, in rings around the peaks of reflection and refraction.
-fn fit_of(probe: &Probe, id: usize, transmits: bool, alpha: f64, wo: [f32; 3], answers: &[BsdfAnswer]) -> Result<f64> {
+/// Chi-square z of samples against their density, in rings around the peaks of reflection and refraction; and |z| of all of them together,
+/// for a density that is off by the same factor everywhere spreads thinly over the cells.
+fn fit_of(
+    probe: &Probe,
+    id: usize,
+    transmits: bool,
+    alpha: f64,
+    wo: [f32; 3],
+    answers: &[BsdfAnswer],
+) -> Result<(f64, f64)> {
     let w = vector(wo);
     let cos2 = 1.0 - (1.0 - w.z * w.z) / 2.25;
     let peaks = [DVec3::new(-w.x, -w.y, w.z), DVec3::new(-w.x / 1.5, -w.y / 1.5, -cos2.sqrt())];
@@ -136,7 +168,8 @@ fn fit_of(probe: &Probe, id: usize, transmits: bool, alpha: f64, wo: [f32; 3], a
             observed[side * rings[0].cells() + cell] += 1.0;
         }
     }
-    Ok(chi_square_z(&observed, &expected))
+    let [there, asked] = [&observed, &expected].map(|cells| cells.iter().sum::<f64>());
+    Ok((chi_square_z(&observed, &expected), (there - asked).abs() / asked.sqrt()))
 }
 
 /// Every family of materials over twenty roughnesses and ten angles, on both sides where it transmits.
@@ -147,15 +180,15 @@ pub(super) fn energy(run: &mut Run) -> Result<()> {
     let materials: Vec<_> =
         FAMILIES.iter().take(families).flat_map(|(_, make, _)| (0..steps).map(|step| make(roughness(step)))).collect();
     let probe = probe(run, &materials)?;
-    let (few, many) = (spread::<3>(run.pick(4096, 1024)), spread::<3>(1 << 15));
+    let (few, many) = (spread::<3>(run.pick(4096, 1024)), spread::<3>(1 << 14));
     for (index, (name, _, bound)) in FAMILIES.iter().take(families).enumerate() {
         let (mut most, mut off) = (Worst::default(), Worst::default());
         let transmits = materials[index * steps].transmits();
         let u = if name.starts_with("compensated") { &many } else { &few };
         for cos in COSINES.into_iter().chain(COSINES.map(|cos| -cos)).filter(|cos| *cos > 0.0 || transmits) {
-            for step in 0..steps {
-                let id = index * steps + step;
-                let found = albedo(&probe, id, &materials[id], *name == "layered wall", direction(cos, 0.7), u)?;
+            let (first, thin) = (index * steps, *name == "layered wall");
+            let found = albedos(&probe, first, &materials[first..first + steps], thin, direction(cos, 0.7), u)?;
+            for (step, found) in found.into_iter().enumerate() {
                 let place = || format!("roughness {}, cosine {cos}: albedo {found:.5}", roughness(step));
                 most.see(found, place);
                 off.see((found - 1.0).abs(), place);
@@ -222,7 +255,7 @@ pub(super) fn ggx_albedo(run: &mut Run) -> Result<()> {
     let u = spread::<3>(run.pick(1 << 16, 1 << 14));
     for (what, cos, expected) in [("alpha 1, cosine 1", 1.0f32, 1.0 - 2f64.ln()), ("alpha 1, cosine 0.5", 0.5, 0.4507)]
     {
-        let found = albedo(&probe, 2, &materials[2], false, direction(cos, 0.7), &u)?;
+        let found = albedo(&probe, 2, &materials[2], direction(cos, 0.7), &u)?;
         run.note(Figure::relative("bsdf", what, found, expected, 1e-3));
     }
     let few = spread::<3>(1 << 15);
@@ -232,7 +265,7 @@ pub(super) fn ggx_albedo(run: &mut Run) -> Result<()> {
         let mut mean = 0.0;
         for step in 0..steps {
             let cos = ((f64::from(step) + 0.5) / f64::from(steps)).sqrt() as f32;
-            mean += albedo(&probe, id, &materials[id], false, direction(cos, 0.7), &few)? / f64::from(steps);
+            mean += albedo(&probe, id, &materials[id], direction(cos, 0.7), &few)? / f64::from(steps);
         }
         run.note(Figure::relative("bsdf", format!("alpha {}, mean", alphas[id]), mean, expected, 1e-3));
     }
