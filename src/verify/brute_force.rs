@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::geometry::{Random, icosphere};
 use crate::error::Result;
-use crate::layout::{HitRecord, RayRecord, SPHERE_BIT};
+use crate::layout::{HitRecord, Primitive, RayRecord, SPHERE_BIT};
 use crate::scene::{Mesh, Scene, SceneBuilder};
 
 /// Instances (turned, mirrored, sheared), spheres, slivers, quads along the axes, and a mesh with shared edges.
@@ -95,18 +95,42 @@ struct Candidate {
 /// size of the scene, twice where an instance maps the ray first.
 const TOLERANCE: f64 = 4e-6;
 
+fn vector(v: [f32; 3]) -> DVec3 {
+    glam::Vec3::from(v).as_dvec3()
+}
+
+/// Centre and radius of a sphere around each primitive.
+pub(super) fn around(scene: &Scene) -> Vec<(DVec3, f64)> {
+    let of = |primitive: &Primitive| {
+        let [v0, v1, v2] = [primitive.v0, primitive.v1, primitive.v2].map(vector);
+        if primitive.surface & SPHERE_BIT != 0 {
+            return (v0, f64::from(primitive.v1[0].abs()));
+        }
+        let centre = (v0 + v1 + v2) / 3.0;
+        (centre, [v0, v1, v2].iter().map(|v| v.distance(centre)).fold(0.0, f64::max))
+    };
+    scene.primitives.iter().map(of).collect()
+}
+
 /// All primitives that a ray may hit.
-fn candidates(scene: &Scene, ray: &RayRecord) -> Vec<Candidate> {
-    let vector = |v: [f32; 3]| glam::Vec3::from(v).as_dvec3();
+fn candidates(scene: &Scene, around: &[(DVec3, f64)], ray: &RayRecord) -> Vec<Candidate> {
     let mut found = Vec::new();
     for (instance, placed) in scene.instances.iter().enumerate() {
         let to_object = placed.to_world.inverse();
         let (origin, direction) =
             (to_object.transform_point3(vector(ray.origin)), to_object.transform_vector3(vector(ray.direction)));
         let length = direction.length();
+        let unit = direction / length;
         let size = origin.abs().max_element() + 9.0;
         let epsilon = TOLERANCE * size;
         for slot in scene.groups[placed.group].primitives() {
+            // What passes outside of the sphere around a primitive, tolerance and more besides, misses it for certain.
+            let (centre, radius) = around[slot];
+            let to_centre = centre - origin;
+            let off2 = to_centre.length_squared() - to_centre.dot(unit).powi(2);
+            if off2 > (radius + 3.0 * epsilon).powi(2) {
+                continue;
+            }
             let primitive = &scene.primitives[slot];
             let v0 = vector(primitive.v0);
             if primitive.surface & SPHERE_BIT != 0 {
@@ -128,7 +152,6 @@ fn candidates(scene: &Scene, ray: &RayRecord) -> Vec<Candidate> {
             }
             let (v1, v2) = (vector(primitive.v1), vector(primitive.v2));
             let [a, b, c] = [v0 - origin, v1 - origin, v2 - origin];
-            let unit = direction / length;
             // Distance of the ray from each edge's line, seen along the ray: signed by the side.
             let edge = |p: DVec3, q: DVec3| {
                 let (p, q) = (p - unit * p.dot(unit), q - unit * q.dot(unit));
@@ -185,8 +208,15 @@ impl Tally {
 }
 
 /// Holds one answer against the brute force.
-pub(super) fn judge(scene: &Scene, ray: &RayRecord, hit: &HitRecord, primitive: u32, instance: u32, tally: &mut Tally) {
-    let all = candidates(scene, ray);
+pub(super) fn judge(
+    (scene, around): (&Scene, &[(DVec3, f64)]),
+    ray: &RayRecord,
+    hit: &HitRecord,
+    primitive: u32,
+    instance: u32,
+    tally: &mut Tally,
+) {
+    let all = candidates(scene, around, ray);
     let t_max = f64::from(ray.t_max);
     let in_range = |c: &&Candidate| c.t > 0.0 && c.t < t_max;
     let certain = all

@@ -39,7 +39,7 @@ fn irradiance(run: &mut Run, what: &str, scene: &Scene, expected: f64) -> Result
         let settings = Settings { max_depth: Some(2), ..run.settings(scene, technique)? };
         // What only the BSDF's choice of direction finds is seldom found.
         let implicit = technique == "path-implicit" || technique.ends_with("bsdf");
-        let film = run.render(scene, &settings, if implicit { 6000 } else { 500 })?;
+        let film = run.render(scene, &settings, if implicit { 4500 } else { 500 })?;
         run.mean(technique, what, &film, 0, 0.5 / PI * expected);
     }
     Ok(())
@@ -90,7 +90,7 @@ pub(super) fn cube_with_a_point_light(run: &mut Run) -> Result<()> {
     for technique in run.thorough(&scene) {
         for (index, (name, _, expected)) in points.into_iter().enumerate() {
             let settings = Settings { camera: Some(index.to_string()), ..run.settings(&scene, technique)? };
-            let film = run.render(&scene, &settings, run.pick(300, 100))?;
+            let film = run.render(&scene, &settings, run.samples(300, 100))?;
             run.mean(technique, name, &film, 0, expected);
         }
     }
@@ -201,7 +201,7 @@ pub(super) fn form_factors(run: &mut Run) -> Result<()> {
             }
             let settings = Settings { max_depth: Some(2), ..run.settings(&scene, technique)? };
             let film =
-                run.render(&scene, &settings, run.pick(if technique == "path-implicit" { 1200 } else { 300 }, 128))?;
+                run.render(&scene, &settings, run.samples(if technique == "path-implicit" { 1200 } else { 300 }, 128))?;
             run.mean(technique, what, &film, 0, 0.5 * share * expected);
         }
     }
@@ -236,7 +236,7 @@ pub(super) fn half_lit_sphere(run: &mut Run) -> Result<()> {
     for technique in run.thorough(&scene) {
         for (camera, what, expected) in [("0", "the half that emits", 1.0 + indirect), ("1", "the other", indirect)] {
             let settings = Settings { camera: Some(camera.to_owned()), ..run.settings(&scene, technique)? };
-            let film = run.render(&scene, &settings, run.pick(300, 128))?;
+            let film = run.render(&scene, &settings, run.pick(200, 128))?;
             run.mean(technique, what, &film, 0, expected);
         }
     }

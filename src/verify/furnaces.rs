@@ -46,7 +46,9 @@ pub(super) fn furnace(run: &mut Run) -> Result<()> {
     for (shape, scene) in [("sphere", ball()?), ("cube", inside(closed_cube(), DAffine3::IDENTITY)?)] {
         for row in run.unbiased() {
             let settings = Settings { lengths: LAYERS, ..run.settings(&scene, row.name)? };
-            let film = run.render(&scene, &settings, run.pick(768, 256))?;
+            // Paths from the lights come to a pixel by chance, and need them all for the layers.
+            let spp = if row.splats { run.pick(768, 256) } else { run.samples(768, 256) };
+            let film = run.render(&scene, &settings, spp)?;
             let most = if row.solves < Solves::Everything { 2 } else { u32::MAX };
             for (channel, albedo) in ALBEDO.into_iter().enumerate() {
                 let expected = if most == 2 { 1.0 + f64::from(albedo) } else { radiance(channel) };
@@ -131,7 +133,7 @@ pub(super) fn far_huge_tiny(run: &mut Run) -> Result<()> {
 /// Walls that lie on each other: glowing ones that are there twice, and dark ones around a lamp that are there twice and once more, cut
 /// another way. Which of them a ray meets changes nothing, and two runs are the same bits.
 pub(super) fn coplanar(run: &mut Run) -> Result<()> {
-    let spp = run.pick(512, 128);
+    let spp = run.samples(512, 128);
     let mut twice = inside_out(closed_cube());
     let again = twice.triangles.clone();
     twice.triangles.extend(again);
@@ -255,7 +257,7 @@ pub(super) fn roulette(run: &mut Run) -> Result<()> {
         }
         let scene = bright(albedo)?;
         let settings = Settings { rr_depth, max_depth: Some(2000), ..run.settings(&scene, technique)? };
-        let film = run.render(&scene, &settings, spp / run.pick(1, 2))?;
+        let film = run.render(&scene, &settings, run.samples(spp, spp / 2))?;
         run.mean(technique, &format!("albedo {albedo}, roulette from {rr_depth} segments"), &film, 0, 1.0);
     }
     Ok(())

@@ -7,7 +7,8 @@ use super::figure::{Figure, Worst};
 use super::geometry::Random;
 use crate::error::Result;
 use crate::layout::Primitive;
-use crate::scene::{Mesh, Scene, SceneBuilder};
+use crate::render::Probe;
+use crate::scene::{Mesh, SceneBuilder};
 
 /// Origin, direction, length, direction of the second ray.
 type Query = [f32; 10];
@@ -22,8 +23,7 @@ struct Answer {
     next: u32,
 }
 
-fn ask(run: &Run, scene: &Scene, queries: &[Query]) -> Result<Vec<Answer>> {
-    let probe = run.probe(scene, "leave")?;
+fn ask(probe: &Probe, queries: &[Query]) -> Result<Vec<Answer>> {
     let words: Vec<[u32; 12]> = probe.run(queries)?;
     let order = |index: u32| probe.order().get(index as usize).copied().unwrap_or(u32::MAX);
     let answer = |w: &[u32; 12]| {
@@ -68,6 +68,7 @@ pub(super) fn self_intersection(run: &mut Run) -> Result<()> {
     builder.mesh(0, "triangles", mesh, DAffine3::IDENTITY, surface);
     builder.background = Some([1.0; 3]);
     let scene = builder.finish()?;
+    let probe = run.probe(&scene, "leave")?;
     let (mut met, mut again, mut first) = (0usize, 0usize, String::new());
     let (mut ulps, mut margins) = (Worst::default(), Worst::default());
     let all: Vec<usize> = (0..scene.primitives.len()).collect();
@@ -88,7 +89,7 @@ pub(super) fn self_intersection(run: &mut Run) -> Result<()> {
                 queries.push(query(origin, target - origin, random.direction()));
             }
         }
-        for (answer, query) in ask(run, &scene, &queries)?.iter().zip(&queries) {
+        for (answer, query) in ask(&probe, &queries)?.iter().zip(&queries) {
             if answer.t < 0.0 {
                 continue;
             }
@@ -155,7 +156,7 @@ fn shells(run: &mut Run) -> Result<()> {
             .collect();
         let mut lost = Worst::default();
         let mut count = 0;
-        let answers = ask(run, &scene, &queries)?;
+        let answers = ask(&run.probe(&scene, "leave")?, &queries)?;
         for (index, answer) in answers.iter().enumerate() {
             let lower = answer.t > 0.0 && answer.primitive < 2;
             if !(lower && (2..4).contains(&answer.next)) {

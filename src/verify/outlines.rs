@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Run;
-use super::brute_force::{Tally, judge, rays, scene};
+use super::brute_force::{Tally, around, judge, rays, scene};
 use super::figure::Figure;
 use super::geometry::{Random, closed_cube, icosphere};
 use crate::backend::Backend;
@@ -88,13 +88,20 @@ pub(super) fn brute_force(run: &mut Run) -> Result<()> {
     let settings = run.settings(&scene, "path")?;
     hold(run, &scene, "", &settings, run.pick(1_000_000, 100_000))?;
     for chunk in [1, 10].into_iter().take(if run.backend == Backend::Bvh { 2 } else { 0 }) {
-        hold(run, &scene, &format!(" in chunks of {chunk}"), &Settings { chunk, ..settings.clone() }, 50_000)?;
+        hold(
+            run,
+            &scene,
+            &format!(" in chunks of {chunk}"),
+            &Settings { chunk, ..settings.clone() },
+            run.pick(50_000, 10_000),
+        )?;
     }
     Ok(())
 }
 
 fn hold(run: &mut Run, scene: &Scene, how: &str, settings: &Settings, count: usize) -> Result<()> {
     let rays = rays(scene, count);
+    let around = around(scene);
     let probe = Probe::new(run.gpu, scene, settings, "test/trace")?;
     let hits: Vec<HitRecord> = probe.run(&rays)?;
     let is_random = |index: usize| matches!(index % 8, 0 | 1 | 4);
@@ -107,7 +114,7 @@ fn hold(run: &mut Run, scene: &Scene, how: &str, settings: &Settings, count: usi
             .fold(Tally::default, |mut tally, (_, (ray, hit))| {
                 let primitive = probe.order().get(hit.primitive as usize).copied().unwrap_or(u32::MAX);
                 let instance = probe.instance_order().get(hit.instance as usize).copied().unwrap_or(u32::MAX);
-                judge(scene, ray, hit, primitive, instance, &mut tally);
+                judge((scene, &around), ray, hit, primitive, instance, &mut tally);
                 tally
             })
             .reduce(Tally::default, Tally::add);
