@@ -243,7 +243,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "shading-normals",
-        tests: "bumps and a coarse ball shaded as a smooth one: light and bdpt against path, tile by tile",
+        tests: "bumps, also grazed, and a coarse ball shaded as a smooth one: light and bdpt against path, tile by tile",
         bound: "p > 0.01 of all tiles together",
         source: "path; Veach's adjoint correction",
         on: On::EachBackend,
@@ -347,7 +347,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "splats",
-        tests: "two runs of techniques whose samples land anywhere",
+        tests: "two runs of techniques whose samples land anywhere, and one in small frames",
         bound: "the same bits",
         source: "the other run",
         on: On::EachBackend,
