@@ -275,7 +275,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "mlt-toy",
-        tests: "where 16 384 chains of each form are after 128 mutations, on a mosaic of 64 lamps",
+        tests: "where 16 384 chains of each form begin and are after 128 mutations, on a mosaic of 64 lamps",
         bound: "chi-square z of 3",
         source: "in proportion to what the lamps emit",
         on: On::Once,
