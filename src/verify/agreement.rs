@@ -102,10 +102,10 @@ fn all_agree(run: &mut Run, what: &str, scene: &Scene, spp: u32) -> Result<()> {
 /// Paths from the light need Veach's adjoint of normals that are not those of the surface.
 pub(super) fn shading_normals(run: &mut Run) -> Result<()> {
     let scene = uneven(heights(16), 16, true, false)?;
-    all_agree(run, "bumps and a coarse ball", &scene, run.pick(72, 48))?;
+    all_agree(run, "bumps and a coarse ball", &scene, run.pick(56, 48))?;
     if run.backend == Backend::Bvh {
         // The factor asks nothing of how rays are met.
-        all_agree(run, "bumps that light grazes", &grazed(heights(16), 16)?, run.pick(96, 48))?;
+        all_agree(run, "bumps that light grazes", &grazed(heights(16), 16)?, run.pick(64, 48))?;
     }
     Ok(())
 }
@@ -113,9 +113,9 @@ pub(super) fn shading_normals(run: &mut Run) -> Result<()> {
 /// Normal maps that point below the surface: nothing is lit from behind, gained or not finite, and light's paths agree.
 pub(super) fn normals_below_surface(run: &mut Run) -> Result<()> {
     let scene = uneven(normals_below(16), 16, false, false)?;
-    all_agree(run, "a normal map", &scene, run.pick(72, 48))?;
+    all_agree(run, "a normal map", &scene, run.pick(56, 48))?;
     let scene = uneven(normals_below(16), 16, false, true)?;
-    let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(640, 256))?;
+    let film = run.render(&scene, &run.settings(&scene, "path")?, run.pick(400, 256))?;
     // White under a white sky: what a pixel has beyond one is gained, but for noise.
     let (mean, variance) = (film.mean(), film.mean_variance());
     let mut worst = super::figure::Worst::default();
@@ -172,12 +172,12 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let film = run.render(&scene, &Settings { seed: 1000, ..settings }, run.pick(8192, 2048))?;
     let truth = tile_average(&film, [0, 0, 32, 32])[1];
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
-        for chains in run.pick(vec![100, 10_000, 1_000_000], vec![1000]) {
+        for (chains, seeds) in run.pick(vec![(100, 20), (10_000, 20), (1_000_000, 12)], vec![(1000, 16)]) {
             let technique = format!("mlt:form={form}:chains={chains}:candidates=1");
             let settings = limited(run.settings(&scene, &technique)?);
             let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
             let mut means = Vec::new();
-            for seed in 0..run.pick(32, 16) {
+            for seed in 0..seeds {
                 renderer.restart(seed)?;
                 while renderer.advance(16)? {}
                 means.push(renderer.film()?.average()[1]);
@@ -186,7 +186,7 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
             let off = found.mean / truth.mean - 1.0;
             let what = format!("{form}, {chains} chains: |z| of the mean over {} seeds", means.len());
             // The level of two standard deviations for all of them together (Sidak).
-            let bound = if means.len() > 16 { 2.8 } else { 2.5 };
+            let bound = run.pick(2.8, 2.5);
             run.note(
                 Figure::at_most("mlt", what, found.z(&truth).abs(), bound)
                     .worst(format!("off by {:+.3} %", 100.0 * off)),

@@ -90,7 +90,7 @@ pub(super) fn cube_with_a_point_light(run: &mut Run) -> Result<()> {
     for technique in run.thorough(&scene) {
         for (index, (name, _, expected)) in points.into_iter().enumerate() {
             let settings = Settings { camera: Some(index.to_string()), ..run.settings(&scene, technique)? };
-            let film = run.render(&scene, &settings, run.samples(300, 100))?;
+            let film = run.render(&scene, &settings, run.samples(200, 100))?;
             run.mean(technique, name, &film, 0, expected);
         }
     }
@@ -201,7 +201,7 @@ pub(super) fn form_factors(run: &mut Run) -> Result<()> {
             }
             let settings = Settings { max_depth: Some(2), ..run.settings(&scene, technique)? };
             let film =
-                run.render(&scene, &settings, run.samples(if technique == "path-implicit" { 1200 } else { 300 }, 128))?;
+                run.render(&scene, &settings, run.samples(if technique == "path-implicit" { 800 } else { 200 }, 128))?;
             run.mean(technique, what, &film, 0, 0.5 * share * expected);
         }
     }
