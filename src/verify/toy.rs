@@ -40,7 +40,7 @@ pub(super) fn chains(run: &mut Run) -> Result<()> {
     let scene = mosaic()?;
     let cells = (0..LAMPS * LAMPS).map(|cell| radiance(cell % LAMPS, cell / LAMPS));
     let all: f64 = cells.clone().sum();
-    for form in ["primary", "multiplexed", "paths"] {
+    for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary", "paths"]) {
         let technique = format!("mlt:form={form}:chains={}:candidates=8:large-step=0.05", SIZE * SIZE);
         let settings = Settings { max_depth: Some(1), ..run.settings(&scene, &technique)? };
         let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
