@@ -7,11 +7,11 @@
 mod common;
 
 use common::room::{LAMP, room, scene};
-use common::{assert_same_mean, canon, render, settings, tile_average, verify, with_gpu};
+use common::{assert_same_mean, canon, largest_z, render, settings, tile_average, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
-use lumbre::metrics::stats::Estimate;
+use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
 
@@ -118,8 +118,8 @@ fn the_canon() {
     }
 }
 
-/// Every scene there is, every form, against the technique whose paths it takes: how far tiles are off in standard deviations of both (Welch 1947), and the whole image.
-/// What fails is listed with its reason. `LUMBRE_TEST_SCENE` asks for those whose name begins so.
+/// Every scene there is, every form, against the technique whose paths it takes: how far tiles are off in standard deviations of both
+/// (Welch 1947), and the whole image. docs/metropolis.md has what is apart, and why. `LUMBRE_TEST_SCENE` asks for those whose name begins so.
 #[test]
 #[ignore = "half an hour; docs/metropolis.md has its figures"]
 fn the_whole_canon() {
@@ -153,22 +153,7 @@ fn the_whole_canon() {
             let (path, bdpt) = (over_seeds("path", 1000), over_seeds("bdpt", 1000));
             for (technique, truth) in FORMS.into_iter().zip([&path, &bdpt, &bdpt]) {
                 let found = over_seeds(technique, 0);
-                let count = found.sums.len();
-                let of = |film: &Film, pixel: usize| {
-                    tile_average(
-                        film,
-                        pixel as u32 % film.width..pixel as u32 % film.width + 1,
-                        pixel as u32 / film.width..pixel as u32 / film.width + 1,
-                    )
-                };
-                let all = (0..count).flat_map(|pixel| (0..3).map(move |channel| (pixel, channel)));
-                let (z, place) = all
-                    .map(|(pixel, channel)| {
-                        let (a, b) = (of(&found, pixel)[channel], of(truth, pixel)[channel]);
-                        (a.z(&b), format!("tile {pixel}, channel {channel}: {:+.2} %", 100.0 * (a.mean / b.mean - 1.0)))
-                    })
-                    .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
-                    .unwrap();
+                let (z, place, count) = largest_z(&found, truth, 1);
                 let [_, a, _] = common::average(&found);
                 let [_, b, _] = common::average(truth);
                 let spread = 100.0 * (a.variance + b.variance).sqrt() / b.mean;
@@ -177,8 +162,7 @@ fn the_whole_canon() {
                     100.0 * (a.mean / b.mean - 1.0),
                     a.z(&b)
                 );
-                let p = lumbre::metrics::stats::two_sided_p(z);
-                if p < lumbre::metrics::stats::sidak(0.01, 3 * count) {
+                if two_sided_p(z) < sidak(0.01, count) {
                     apart.push(format!("{name} {technique}: z {z:.2}"));
                 }
             }

@@ -52,10 +52,7 @@ impl Probe {
 
     /// Runs one thread per element of `input`, each of which writes one element of the result.
     pub fn run<I: Pod, O: Pod>(&self, input: &[I]) -> Result<Vec<O>> {
-        let from = Buffer::with_data(&self.gpu, "probe input", input)?;
-        let to = Buffer::zeroed(&self.gpu, "probe output", size_of::<O>() as u64 * input.len() as u64)?;
-        self.run_on(&from, &to, input.len() as u32)?;
-        to.read(input.len())
+        self.run_with(input, |constants| constants)
     }
 
     /// The same on buffers that are already there.
@@ -65,11 +62,19 @@ impl Probe {
 
     /// One thread per element of `input`, on the chains of a rendering under way with the same scene and settings.
     pub fn run_on_chains<I: Pod, O: Pod>(&self, renderer: &Renderer, input: &[I]) -> Result<Vec<O>> {
+        let FrameConstants { chains, light_path_count, .. } = renderer.constants(Frame::NOTHING);
+        self.run_with(input, |constants| FrameConstants { chains, light_path_count, ..constants })
+    }
+
+    fn run_with<I: Pod, O: Pod>(
+        &self,
+        input: &[I],
+        change: impl FnOnce(FrameConstants) -> FrameConstants,
+    ) -> Result<Vec<O>> {
+        let count = input.len() as u32;
         let from = Buffer::with_data(&self.gpu, "probe input", input)?;
         let to = Buffer::zeroed(&self.gpu, "probe output", size_of::<O>() as u64 * input.len() as u64)?;
-        let own = self.constants(&from, &to, input.len() as u32);
-        let FrameConstants { chains, light_path_count, .. } = renderer.constants(Frame::NOTHING);
-        self.dispatch(FrameConstants { chains, light_path_count, ..own }, input.len() as u32)?;
+        self.dispatch(change(self.constants(&from, &to, count)), count)?;
         to.read(input.len())
     }
 

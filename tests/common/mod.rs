@@ -145,6 +145,16 @@ pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
 /// Compares two films of the same scene tile by tile: a z-test of each tile and channel, Sidak-corrected, and one of the
 /// whole image. Prints the largest z and the p-value it has among all tiles.
 pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
+    let (z, place, count) = largest_z(a, b, tile);
+    let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
+    println!("{what}: largest z of {count} is {z:.2} at {place}; of the whole image {whole:.2?}");
+    assert!(two_sided_p(z) > sidak(0.01, count), "{what}: z = {z:.2} at {place}");
+    // Three channels, each at the 0.1 % level.
+    assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
+}
+
+/// By how many standard deviations of both the means of a tile and channel differ at most, where that is, and among how many of these.
+pub fn largest_z(a: &Film, b: &Film, tile: u32) -> (f64, String, usize) {
     let mut worst: (f64, String) = (0.0, String::new());
     let mut count = 0;
     for y in (0..a.height).step_by(tile as usize) {
@@ -164,10 +174,5 @@ pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
             }
         }
     }
-    let p = two_sided_p(worst.0);
-    let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
-    println!("{what}: largest z of {count} is {:.2} at {}; of the whole image {whole:.2?}", worst.0, worst.1);
-    assert!(p > sidak(0.01, count), "{what}: z = {:.2} at {}", worst.0, worst.1);
-    // Three channels, each at the 0.1 % level.
-    assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
+    (worst.0, worst.1, count)
 }
