@@ -488,8 +488,15 @@ pub const INTEGRATORS: &[Integrator] = &[
             },
             Parameter {
                 name: "candidates",
-                about: "paths for each chain to begin with, rounded down; there are 65536 at least",
-                values: Values::Number(1.0, 4096.0, 8.0),
+                about: "paths that chains may begin with, rounded down; there are as many as chains at least",
+                values: Values::Number(1.0, 268435456.0, 1048576.0),
+                biased: None,
+                misses: &[],
+            },
+            Parameter {
+                name: "bound",
+                about: "paths that bring more than so many times the mean are visited as often as if they brought that, and count for more",
+                values: Values::Number(1.5, 1e9, 1000.0),
                 biased: None,
                 misses: &[],
             },

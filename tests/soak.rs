@@ -64,7 +64,11 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
     let row = random.of(&INTEGRATORS.iter().collect::<Vec<_>>());
     let technique = match row.kept {
         Kept::Patches => random.of(&["radiosity:patches=4", "radiosity:patches=4:solver=shoot", "radiosity:patches=8"]),
-        Kept::Chains => random.of(&["mlt:chains=128", "mlt:chains=256:form=multiplexed", "mlt:chains=256:form=paths"]),
+        Kept::Chains => random.of(&[
+            "mlt:chains=128:candidates=4096",
+            "mlt:chains=256:form=multiplexed:candidates=4096",
+            "mlt:chains=256:form=paths:candidates=4096",
+        ]),
         _ => row.name,
     };
     let mut any = settings(scene, technique, backend);

@@ -4,28 +4,26 @@
 
 mod common;
 
-use common::{backends, with_gpu};
-use lumbre::verify::{CASES, Effort, Verdict, find, measure, measured_on};
+use common::{backends, check_gpu, open_gpu, with_gpu};
+use lumbre::verify::{CASES, Case, Effort, Verdict, find, measure_all};
 
 /// All figures are within their bounds, or beyond them by the driver's own doing.
 #[test]
 fn every_row_passes() {
     let mut broken = Vec::new();
-    with_gpu(|gpu| {
-        let backends = backends(gpu);
-        for case in CASES {
-            for backend in measured_on(case, &backends) {
-                let outcome = measure(gpu, case, backend, Effort::Short, None).unwrap();
-                println!("{} on {}: {:?}, {:.1} s", case.name, backend.name(), outcome.verdict(), outcome.seconds);
-                for figure in outcome.figures.iter().filter(|figure| figure.verdict >= Verdict::Driver) {
-                    println!("    {figure:?}");
-                }
-                if outcome.verdict() == Verdict::Fail {
-                    broken.push(format!("{} on {}: lumbre verify --short --case {0}", case.name, backend.name()));
-                }
-            }
+    let backends = with_gpu(backends);
+    let cases: Vec<&Case> = CASES.iter().collect();
+    measure_all(open_gpu, check_gpu, &cases, &backends, Effort::Short, None, |outcome| {
+        println!("{} on {}: {:?}, {:.1} s", outcome.case, outcome.backend, outcome.verdict(), outcome.seconds);
+        for figure in outcome.figures.iter().filter(|figure| figure.verdict >= Verdict::Driver) {
+            println!("    {figure:?}");
         }
-    });
+        if outcome.verdict() == Verdict::Fail {
+            broken.push(format!("{} on {}: lumbre verify --short --case {0}", outcome.case, outcome.backend));
+        }
+        Ok(())
+    })
+    .unwrap();
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 

@@ -17,26 +17,28 @@
 #include "trace/backend.glsl"
 
 // Each form says what is on its way (Walk), and of that at its end: `walk_share`, by which what it brings stands for its like; `walk_ratio`, of
-// what speaks for it to what speaks for the current path; `walk_kind` of its length; and `walk_known`, which the chain is to know of it.
+// what speaks for it to what speaks for the current path; `walk_kind` of path; `walk_known`, which the chain is to know of it; and `walk_source`,
+// the kind of a candidate with that of large steps which made it, and how much of the density of large steps there is not its kind's but the last one's.
 #ifdef PASS_PATHS
 #include "lib/path_mutations.glsl"
 struct Walk {
     Mutation mutation;
     vec2 position;
-    float share, ratio;
+    Weighed weighed;
 };
 bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
     mutation_open(p, room, w.mutation);
     return true;
 }
 bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
-    bool goes_on = mutation_follow(w.mutation, p, e, w.share, w.ratio);
+    bool goes_on = mutation_follow(w.mutation, p, e, w.weighed);
     w.position = w.mutation.position;
     return goes_on;
 }
-float walk_share(Walk w) { return w.share; }
-float walk_ratio(Walk w, Proposal p, float proposed) { return w.ratio; }
 uint walk_kind(Walk w, Proposal p) { return w.mutation.route.segments - 1u; }
+float walk_share(Walk w, Proposal p) { return w.weighed.share; }
+float walk_ratio(Walk w, Proposal p, float proposed) { return w.weighed.ratio; }
+uint walk_source(Walk w, Proposal p) { return candidate_source(walk_kind(w, p), p.kind, w.weighed.ran); }
 uint walk_known(Walk w) { return w.mutation.route.slot; }
 void walk_keep(Walk w, Proposal p, uint chain) {} // its vertices are in place
 #else
@@ -45,7 +47,7 @@ void walk_keep(Walk w, Proposal p, uint chain) {} // its vertices are in place
 #define Walk Primary
 #define numbers_begin primary_begin
 #define numbers_extend primary_extend
-#define walk_share primary_share
+#define numbers_share primary_share
 #define walk_known primary_used
 #else
 const bool CONNECTS = true;
@@ -56,13 +58,15 @@ const bool MERGES_FIRST = false;
 #define Walk Multiplexed
 #define numbers_begin multiplexed_begin
 #define numbers_extend multiplexed_extend
-#define walk_share multiplexed_share
+#define numbers_share multiplexed_share
 #define walk_known multiplexed_used
 #endif
 bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return numbers_begin(p.random, p.kind, e, w); }
 bool walk_extend(inout Walk w, Proposal p, inout Estimate e) { return numbers_extend(w, e); }
+float walk_share(Walk w, Proposal p) { return numbers_share(w) / length_probability(p.kind); }
 float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
 uint walk_kind(Walk w, Proposal p) { return p.kind; }
+uint walk_source(Walk w, Proposal p) { return candidate_source(p.kind, p.kind, 0.0); }
 void walk_keep(Walk w, Proposal p, uint chain) { keep_numbers(p.random, chain, walk_known(w)); }
 #endif
 
@@ -92,11 +96,11 @@ void main() {
         }
         if (alive) alive = walk_extend(w, p, e);
         if (!alive) {
-            p.kind = walk_kind(w, p);
-            proposal_close(p, w.position, walk_share(w), sample_index, e);
+            proposal_close(w.position, walk_share(w, p), sample_index, e);
             if (makes_candidate) {
-                candidate_at(place).candidate = Candidate(brings(e.radiance), p.kind);
+                candidate_at(place).candidate = Candidate(brings(e.radiance), walk_source(w, p));
             } else {
+                p.kind = walk_kind(w, p);
                 float ratio = walk_ratio(w, p, brings(e.radiance));
                 Decision d = chain_decide(chain, mutation, p, w.position, walk_known(w), ratio, sample_index, e);
                 if (d.accepted) walk_keep(w, p, chain);

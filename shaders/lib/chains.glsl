@@ -4,6 +4,11 @@
 // Chains begin with candidates that were chosen in proportion to what these bring: then they are distributed as they will be for ever,
 // and nothing needs to be thrown away (Veach 1997, section 11.3.1). Both the path that is proposed and the one that it is proposed to are
 // counted, by the probability of each (Veach 1997, section 11.2.3).
+//
+// A path that brings 10^5 times the mean would hold its chain for as many mutations, and whole images have fewer. So paths are visited
+// in proportion to what they bring as long as that is not much more than others, and to a bound where it is; each visit counts for
+// as much as it was held back by (importance sampling of the target). With w what a path brings over the density of large steps and K the bound, the
+// target is T = w / (1 + w / K): large steps find its mean with a relative variance below K over that, whatever paths there are.
 #include "lib/chain_numbers.glsl"
 #include "lib/splat.glsl"
 
@@ -28,7 +33,7 @@ struct Proposal {
     Chain from;     // the chain that it is proposed to
 };
 
-// Probability that a path has the first `count` kinds of length.
+// Probability that a large step is of the first `count` kinds.
 float length_share(uint count) { return count == 0u ? 0.0 : Floats(chain_table().lengths).at[count - 1u]; }
 
 float length_probability(uint kind) { return length_share(kind + 1u) - length_share(kind); }
@@ -60,12 +65,18 @@ Proposal chain_propose(uint index, uint mutation, float large_step) {
 // What a path brings, as the chains see it.
 float brings(vec3 value) { return (value.x + value.y + value.z) * (1.0 / 3.0); }
 
+// By how much a path that brings this is visited less often than in proportion to that; each visit counts for as much more.
+float held_back(float brought) { return 1.0 + brought / chain_table().bound; }
+
 // The layers of what a path brings.
 vec3 layer_value(Estimate e, uint layer) { return LENGTH_LAYERS > 0u ? e.by_length[layer] : e.radiance; }
 
+// What the host is to know of where a candidate is from: its kind, the kind of large steps that made it, and in 65535ths the part of their
+// density there that is the last kind's.
+uint candidate_source(uint kind, uint made_by, float by_last) { return kind | made_by << 8u | uint(by_last * 65535.0 + 0.5) << 16u; }
+
 // Ends the estimate of a proposal, which stands for `share` of its like; what is not finite is dropped, counted and located.
-void proposal_close(Proposal p, vec2 position, float share, uint sample_index, inout Estimate e) {
-    share /= length_probability(p.kind);
+void proposal_close(vec2 position, float share, uint sample_index, inout Estimate e) {
     e.radiance *= share;
     for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] *= share;
     if (brings(e.radiance) < INFINITY) return;
@@ -98,7 +109,7 @@ void visit_splat(vec2 position, vec2 u, float probability, float brought, uint s
     uint pixel = splat_pixel(position, u, weight);
     if (pixel == NONE) return;
     // Positions are uniform over `light_path_count` pixels, and all visits of this sample share what they bring.
-    weight *= probability * table.normalisation * (float(frame.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
+    weight *= probability * held_back(brought) * table.normalisation * (float(frame.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
     for (uint i = 0u; i < splat_layers(); i++) {
         vec3 value = layer_value(e, i);
         if (value != vec3(0.0)) splat(pixel, sample_index, i + 1u, value / brought * weight);
@@ -112,12 +123,13 @@ struct Decision {
 };
 
 // Decides on a proposal that has been followed to its end: adds both paths to the film and moves the chain. `ratio` of what speaks for it
-// to what speaks for the current path (Metropolis et al. 1953, Hastings 1970); `used` is what the chain is to know of it.
+// to what speaks for the current path, by what they bring (Metropolis et al. 1953, Hastings 1970); `used` is what the chain is to know of it.
 Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint used, float ratio, uint sample_index, Estimate e) {
     Chain c = p.from;
     bool begins = c.known == NONE;
     float proposed = brings(e.radiance);
     vec4 u = decisions(index, mutation);
+    ratio *= held_back(c.brings) / held_back(proposed);
     float acceptance = begins || ratio >= 1.0 ? 1.0 : ratio;
     if (!begins) {
         vec4 pixels = uniform4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)));
@@ -128,7 +140,7 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
         visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.brings, sample_index, current);
         if (p.large) {
             vec3 sum = vec3(c.sum), low = vec3(c.sum_low);
-            add_compensated(sum, low, vec3(proposed));
+            add_compensated(sum, low, vec3(proposed / held_back(proposed)));
             c.sum = sum.x;
             c.sum_low = low.x;
             c.large_steps += 1u;

@@ -1,7 +1,9 @@
-// One strategy (s, t) for a path of `segments` segments, chosen by a number of its own, weighted among all that make such a path
-// (Hachisuka, Kaplanyan and Dachsbacher 2014, "Multiplexed Metropolis light transport"): the part from the light first, then that from the
-// camera, then their connection. Paths that are longer than any with vertices from both sides come from the camera alone, all
-// lengths of them together.
+// What chains of form `multiplexed` mutate (Hachisuka, Kaplanyan and Dachsbacher 2014, "Multiplexed Metropolis light transport"): the numbers of one
+// strategy (s, t) of bidirectional path tracing, weighted among all that make such a path, for a path of a given length; the part from the
+// light first, then that from the camera, then their connection.
+//
+// What paths from the camera find by themselves, (0, t) and (1, t), is one kind for all lengths: one path finds all of it, as in `path`. Light
+// that only chance finds, by running into it, is found a hundred times as often as by a path for each length and strategy.
 #include "lib/bidirectional_gather.glsl"
 #include "lib/bidirectional_show.glsl"
 
@@ -10,8 +12,8 @@ struct Multiplexed {
     Path path;           // the part that is being made
     Partial partial;     // its sums
     bool from_light;     // that part is the light's
-    uint s, t;           // vertices of each part
-    bool longer;         // than `longest()`
+    bool by_camera;      // there is no other part, and all that it finds counts
+    uint s, t;           // vertices of each part otherwise
     EmittedRay emitted;  // the beginning of the light's part
     LightVertex end;     // its end, once it is there
     Sampler light_random, camera_random; // at what each part draws next
@@ -19,8 +21,11 @@ struct Multiplexed {
     vec2 lens;           // numbers for a point of the lens
 };
 
-// What one strategy brings stands for all that make a path of this length: one over the probability of its choice.
-float multiplexed_share(Multiplexed m) { return m.longer ? 1.0 : float(m.s + m.t); } // s may be 0 to s + t - 1
+// Strategies with more from the light than a vertex to aim at: (2, k - 1) to (k, 1), and (1, 1).
+uint strategies(uint segments) { return max(segments - 1u, 1u); }
+
+// What one of these brings stands for all that make a path of this length: one over the probability of its choice.
+float multiplexed_share(Multiplexed m) { return m.by_camera ? 1.0 : float(strategies(m.s + m.t - 1u)); }
 
 // Blocks of numbers that the path has used: of the camera's in the lower half, of the light's in the upper one.
 uint multiplexed_used(Multiplexed m) { return m.camera_random.dimension | (m.light_random.dimension - LIGHT_DIMENSION) << 16u; }
@@ -38,7 +43,8 @@ void multiplexed_show(inout Multiplexed m, Shown shown, inout Estimate e) {
     contribute(e, m.s, shown.value * segment_transmittance(shown.ray, shown.absorption, e.rays) * shown.weight);
 }
 
-// Begins a path; `random` is at its beginning, and `kind` is that of its length. Returns whether anything is left to follow.
+// Begins a path; `random` is at its beginning. Of kind 0 is what the camera finds, others are as many segments long. Returns whether anything
+// is left to follow.
 bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiplexed m) {
     m.light_random = random;
     m.light_random.dimension = LIGHT_DIMENSION;
@@ -47,11 +53,11 @@ bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiple
     m.camera_random = random;
     m.position = image_place(u.xy);
     m.lens = u.zw;
-    m.longer = kind >= longest();
-    uint segments = kind + 1u;
-    m.s = m.longer ? 0u : min(uint(choice.x * float(segments + 1u)), segments);
-    m.t = segments + 1u - m.s;
-    if (m.s == 0u || m.s == 1u && m.t > 1u) {
+    m.by_camera = kind == 0u;
+    uint count = strategies(kind);
+    m.s = kind + 1u - count + min(uint(choice.x * float(count)), count - 1u);
+    m.t = kind + 1u - m.s;
+    if (m.by_camera) {
         multiplexed_begin_camera(m);
         return true;
     }
@@ -67,12 +73,7 @@ bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiple
 }
 
 // What the camera's part finds of the light's at its last vertex.
-void multiplexed_join(inout Multiplexed m, Vertex v, Bsdf b, vec4 u, inout Estimate e) {
-    Pixel anywhere;
-    if (m.longer || m.s == 1u) {
-        gather_light(anywhere, m.path, v, b, m.partial, !m.longer, u, e);
-        return;
-    }
+void multiplexed_join(inout Multiplexed m, Vertex v, Bsdf b, inout Estimate e) {
     Connection c = connect(m.path, v, b, m.partial, m.end, m.light_random);
     c.value *= m.path.throughput;
     if (c.value != vec3(0.0)) contribute(e, m.s + m.t - 1u, c.value * segment_transmittance(c.ray, c.absorption, e.rays) * c.weight);
@@ -85,10 +86,10 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
     bool found = trace_visible(m.path.ray, hit, m.path.random, e.rays);
     if (!m.from_light) m.camera_random.dimension = m.path.random.dimension;
     uint segments = m.path.depth + 1u;
-    bool last = !m.longer && segments + 1u == (m.from_light ? m.s : m.t);
-    bool may_emit = !m.from_light && (m.longer ? segments > longest() : last && m.s == 0u);
+    bool last = !m.by_camera && segments + 1u == (m.from_light ? m.s : m.t);
+    bool both_sides = segments <= longest(); // other kinds make paths of this length too
     if (!found) {
-        if (HAS_BACKGROUND && may_emit) gather_background(anywhere, m.path, m.partial, !m.longer, e);
+        if (HAS_BACKGROUND && m.by_camera) gather_background(anywhere, m.path, m.partial, both_sides, e);
         return false;
     }
     Vertex v = vertex_at(m.path.ray, hit);
@@ -100,9 +101,9 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
         vec3 segment = v.at.position - m.path.from.position;
         float distance2 = dot(segment, segment);
         partial_arrive(m.partial, CAMERA == CAMERA_ORTHOGRAPHIC && m.path.depth == 0u ? 1.0 : distance2, arriving);
-        if (may_emit) gather_emission(anywhere, m.path, hit, v, m.partial, !m.longer, arriving, distance2, e);
+        if (m.by_camera) gather_emission(anywhere, m.path, hit, v, m.partial, both_sides, arriving, distance2, e);
     }
-    if (v.material == NONE || last && m.s == 0u || segments >= MAX_DEPTH) return false;
+    if (v.material == NONE || segments >= MAX_DEPTH) return false;
 
     vec3 arrived = m.path.throughput;
     uint dimension = m.path.random.dimension;
@@ -124,13 +125,16 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
         multiplexed_begin_camera(m);
         return true;
     }
-    if (!m.from_light && (m.longer ? segments >= longest() && !bsdf_is_delta(b) : last)) multiplexed_join(m, v, b, light_u, e);
-    if (last) return false;
+    if (m.by_camera && !bsdf_is_delta(b)) gather_light(anywhere, m.path, v, b, m.partial, segments < longest(), light_u, e);
+    if (last) {
+        multiplexed_join(m, v, b, e);
+        return false;
+    }
 
     BsdfSample s = vertex_sample(v, b, m.path.ray, bsdf_u.xyz);
     if (m.from_light) s.weight *= adjoint_factor(v, m.path.ray, s);
     partial_scatter(m.partial, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
     path_scatter(m.path, v, b, s);
-    if (m.longer) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
+    if (m.by_camera) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
     return m.path.throughput != vec3(0.0);
 }

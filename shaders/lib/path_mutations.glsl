@@ -1,6 +1,6 @@
 // Mutations of paths (Veach and Guibas 1997): what a chain proposes to go to from its current path, and how likely it goes.
 //
-//     large step            an independent path: bidirectional, of all vertices
+//     large step            an independent path: bidirectional, of all vertices, or from the camera until it meets a light
 //     bidirectional         some vertices in a row are replaced by as many new ones, one or two more, or one or two fewer
 //     from the camera       the place in the image moves a little, and the path follows it as far as its second vertex in a row that
 //                           scatters: a lens perturbation, or where lobes are delta in between, a multi-chain perturbation
@@ -38,6 +38,7 @@ struct Mutation {
     uint at;           // vertex that was made last
     bool backwards;    // towards the camera
     bool leaves;       // `ray` leaves it already
+    bool runs;         // until it meets a light
     bool ended;        // without a path
     vec2 position;     // in the image
     Ray ray;
@@ -146,7 +147,7 @@ void mutation_begin(inout Mutation m) {
         uint after = m.first + fewer + 1u; // the first one that is kept of the current path
         m.last = m.first + more + 1u;
         r.segments = k + more - fewer;
-        m.ended = after > k + 1u || after == k || fewer + more == 0u || r.segments == 0u || r.segments > chain_table().length_count;
+        m.ended = after > k + 1u || after == k || fewer + more == 0u || r.segments == 0u || r.segments > most_segments();
         m.ended = m.ended || m.first > 0u && scatters_by_delta(route_vertex(c, m.first)) || after < k && scatters_by_delta(route_vertex(c, after));
         m.ended = m.ended || m.last > r.segments && more == 0u || m.first == k;
         if (m.ended) return;
@@ -176,7 +177,7 @@ void mutation_begin(inout Mutation m) {
     uint made = m.last - m.first - 1u;
     m.from_camera = m.first;
     if (m.kind <= BIDIRECTIONAL) m.from_camera += min(uint(v.x * float(made + 1u)), made);
-    if (m.kind == FROM_CAMERA) m.from_camera = m.last - 1u;
+    if (m.kind == FROM_CAMERA || m.runs) m.from_camera = m.last - 1u;
     m.route.joined = m.from_camera == r.segments ? NONE : m.from_camera;
     m.at = m.first;
     if (m.kind == TOWARDS_CAMERA) {
@@ -255,6 +256,13 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
     uint target = m.backwards ? m.from_camera + 1u : m.from_camera;
     if (m.ended) return false;
     if (m.at != target) {
+        if (m.runs && m.at >= RUN_SURE) {
+            m.random.dimension = 8u + m.at;
+            if (next4(m.random).x >= RUN_ON) {
+                m.ended = true;
+                return false;
+            }
+        }
         if (!m.leaves && !mutation_scatter(m)) {
             m.ended = true;
             return false;
@@ -277,13 +285,22 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
         } else {
             x.position = m.ray.direction;
             x.kind = VERTEX_BACKGROUND;
-            if (!HAS_BACKGROUND || m.backwards || i != m.route.segments) {
+            if (!HAS_BACKGROUND || m.backwards || !m.runs && i != m.route.segments) {
                 m.ended = true;
                 return false;
             }
         }
         path_vertex(m.route.chain, m.route.slot, i).vertex = x;
         m.at = i;
+        if (m.runs) {
+            if (vertex_kind(x) == VERTEX_BACKGROUND || is_lamp(vertex_at(m.ray, hit))) {
+                m.route.segments = m.from_camera = i;
+                m.last = i + 1u;
+                return false;
+            }
+            m.ended = i == m.route.segments;
+            return !m.ended;
+        }
     }
     if (m.at != target) return true;
     if (m.backwards || m.from_camera + 1u >= m.last) return false;
@@ -300,8 +317,9 @@ void mutation_open(Proposal p, uint room, out Mutation m) {
     m.current = begun ? p.from.known : 1u;
     m.from_segments = p.from.kind + 1u;
     m.kind = p.large ? LARGE_STEP : BIDIRECTIONAL;
+    m.runs = p.large && p.kind == most_segments();
     m.position = p.from.position;
-    m.route = Route(room, 1u - m.current, p.large ? p.kind + 1u : m.from_segments, 0u, 0u, NONE);
+    m.route = Route(room, 1u - m.current, p.large ? min(p.kind + 1u, most_segments()) : m.from_segments, 0u, 0u, NONE, false);
     mutation_begin(m);
 }
 
@@ -317,33 +335,44 @@ bool mutation_join_camera(inout Mutation m) {
     return true;
 }
 
-// What the path brings over the density of being proposed, in all that varies between it and the one at the other end of the mutation.
+// What the path brings over the density of being proposed by a mutation that keeps some of it, in all that varies between it and the one at the
+// other end.
 float mutation_quotient(Mutation m, Route r, float value, uint last) {
     if (m.kind == FROM_CAMERA) return camera_quotient(r, value, last - 1u);
     if (m.kind == TOWARDS_CAMERA) return caustic_quotient(r, value, last);
-    if (m.kind == LARGE_STEP) return bidirectional_quotient(r, value, 0u, r.segments + 1u) / length_probability(r.segments - 1u);
     // Where to begin was one of segments + 1 of the other path; the factor is the inverse on both sides of the ratio.
     return bidirectional_quotient(r, value, m.first, last) / float(r.segments + 1u);
 }
 
-// Follows the proposal to its next vertex. At its end that is weighed: `share` makes of what the path brings over its density as an
-// independent path (of large steps), `ratio` what speaks for it over what speaks for the current one.
-bool mutation_follow(inout Mutation m, Proposal p, inout Estimate e, inout float share, inout float ratio) {
+// What a proposal comes to at its end.
+struct Weighed {
+    float share; // one over the density at which large steps make it, over that of making it from the camera
+    float ran;   // the part of that density which is of running until a light is met
+    float ratio; // what speaks for it over what speaks for the current one
+};
+
+// Follows the proposal to its next vertex; at its end, weighs it.
+bool mutation_follow(inout Mutation m, Proposal p, inout Estimate e, inout Weighed w) {
     if (mutation_extend(m, e.rays)) return true;
-    share = 1.0;
-    ratio = 0.0;
+    w = Weighed(1.0, 0.0, 0.0);
     if (m.ended || !mutation_join_camera(m)) return false;
     vec3 value = path_value(m.route, e.rays);
     float brought = brings(value);
     if (!(brought > 0.0)) return false;
     path_vertex(m.route.chain, m.route.slot, 0u).vertex.nearness = brought;
     contribute(e, m.route.segments, value);
-    float quotient = mutation_quotient(m, m.route, brought, m.last);
-    if (m.kind == LARGE_STEP) share = quotient * length_probability(m.route.segments - 1u) / brought;
+    vec2 density = large_density(m.route);
+    w.share = 1.0 / density.y;
+    w.ran = density.x / density.y;
     if (p.from.known == NONE) return false;
+    if (m.kind == LARGE_STEP) {
+        w.ratio = brought * w.share / p.from.brings;
+        return false;
+    }
     Route current = m.route;
     current.slot = m.current;
     current.segments = m.from_segments;
-    ratio = quotient / mutation_quotient(m, current, route_vertex(current, 0u).nearness, m.last + m.from_segments - m.route.segments);
+    w.ratio = mutation_quotient(m, m.route, brought, m.last) /
+              mutation_quotient(m, current, route_vertex(current, 0u).nearness, m.last + m.from_segments - m.route.segments);
     return false;
 }

@@ -16,9 +16,13 @@ struct Route {
     uint kept_before;
     uint kept_after;
     uint joined;       // the vertex whose segment to the next one was not traced when that was made; NONE is none
+    bool meets_lamp;   // before its last vertex, filled in by path_value
 };
 
 PathVertex route_vertex(Route r, uint i) { return path_vertex(r.chain, r.slot, i).vertex; }
+
+// Where paths that run until they meet a light end.
+bool is_lamp(Vertex v) { return v.surface.emission_density > 0.0; }
 
 // The light's vertex: what it emits along the path, its densities, and where a ray to it ends.
 vec3 light_value(inout PathVertex x, PathVertex before, vec3 direction, float distance2, inout vec3 target) {
@@ -59,6 +63,7 @@ vec3 path_value(inout Route r, inout uint rays) {
     vec3 value = vec3(1.0);
     vec3 absorption = HAS_ABSORPTION ? scene.camera_absorption : vec3(0.0);
     PathVertex before = route_vertex(r, 0u), x = route_vertex(r, 1u), next;
+    r.meets_lamp = false;
     vec3 origin = before.position; // of rays away from the vertex before, moved off its surface
     vec3 direction = CAMERA == CAMERA_ORTHOGRAPHIC ? scene.camera_corner : segment_direction(before, x);
     before.pdf = camera_importance(direction) / light_path_count();
@@ -78,6 +83,7 @@ vec3 path_value(inout Route r, inout uint rays) {
             onwards = segment_direction(x, next);
             Vertex v = vertex_at(ray, vertex_hit(x));
             if (v.material == NONE) return vec3(0.0);
+            if (is_lamp(v)) r.meets_lamp = true;
             Sampler random = vertex_random(x, 0u);
             Bsdf b = vertex_material(v, ray, random);
             vec3 local = vertex_to_local(v, onwards);
@@ -164,6 +170,24 @@ float bidirectional_quotient(Route r, float value, uint first, uint last) {
     float quotient = value * float(last - first) / ways(r, first, last);
     if (last > r.segments) return quotient;
     return quotient * density_from_camera(r, last) * route_vertex(r, last).pdf;
+}
+
+// Large steps are of kinds: one for each number of segments, bidirectional, and one that follows a path from the camera until it meets a
+// light, however long that is. Light that only such paths meet by chance is met by each of them instead of by one for each length and number of
+// vertices from the light. From the vertex RUN_SURE on they go on with probability RUN_ON, which lets densities depend on nothing else.
+const uint RUN_SURE = 4u;
+const float RUN_ON = 0.75;
+
+// The most segments of a path; also the kind of large steps that run until they meet a light.
+uint most_segments() { return chain_table().length_count - 1u; }
+
+// Density with which large steps make the path, over that of making it from the camera at its length: by running, and by all kinds.
+vec2 large_density(Route r) {
+    uint k = r.segments;
+    PathVertex light = route_vertex(r, k);
+    bool ends = vertex_kind(light) == VERTEX_BACKGROUND || !is_alone(light) && light.pdf > 0.0;
+    float runs = ends && !r.meets_lamp ? length_probability(most_segments()) * pow(RUN_ON, float(max(k, RUN_SURE) - RUN_SURE)) : 0.0;
+    return vec2(runs, runs + length_probability(k - 1u) * ways(r, 0u, k + 1u) / float(k + 1u));
 }
 
 // Perturbations from the camera (lens and multi-chain perturbations, Veach 1997, sections 11.4.2 and 11.4.4) move the place in the image, or

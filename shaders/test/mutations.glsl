@@ -34,9 +34,9 @@ void main() {
     e.rays = 0u;
     Mutation m;
     mutation_open(p, chain, m);
-    float share, ratio;
-    while (mutation_follow(m, p, e, share, ratio)) {}
-    Answers(frame.film).at[answer] = ratio;
+    Weighed w;
+    while (mutation_follow(m, p, e, w)) {}
+    Answers(frame.film).at[answer] = w.ratio;
     Answers(frame.film).at[answer + 1u] = float(m.kind);
     Answers(frame.film).at[answer + 2u] = float(m.from_segments);
     Answers(frame.film).at[answer + 3u] = float(m.route.segments);

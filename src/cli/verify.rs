@@ -9,7 +9,7 @@ use serde::Serialize;
 use lumbre::backend::Backend;
 use lumbre::error::{Error, Result};
 use lumbre::output::check_writable;
-use lumbre::verify::{CASES, Case, Effort, Figure, Outcome, Verdict, backends_of, find, measure, measured_on};
+use lumbre::verify::{CASES, Case, Effort, Figure, Outcome, Verdict, backends_of, find, measure_all};
 
 use super::render::write_json;
 use super::{DeviceArgs, choose_backend, print};
@@ -66,7 +66,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<()> {
         return Ok(());
     }
     let named = args.case.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
-    let cases: Vec<&Case> = if named.is_empty() { CASES.iter().collect() } else { named };
+    let cases: Vec<&'static Case> = if named.is_empty() { CASES.iter().collect() } else { named };
     let stdout = args.json.as_deref() == Some(Path::new("-"));
     if let Some(path) = args.json.as_deref().filter(|_| !stdout) {
         check_writable(path)?;
@@ -99,16 +99,14 @@ pub(super) fn run(args: &VerifyArgs) -> Result<()> {
     let started = Instant::now();
     let effort = if args.short { Effort::Short } else { Effort::Full };
     let mut outcomes = Vec::new();
-    for case in cases {
-        for backend in measured_on(case, &backends) {
-            let outcome = measure(&gpu, case, backend, effort, folder.as_deref())?;
-            if !stdout {
-                print_outcome(&outcome, !args.case.is_empty());
-            }
-            outcomes.push(outcome);
-            DeviceArgs::report_validation(&gpu)?;
+    let open = || args.device.open();
+    measure_all(open, DeviceArgs::report_validation, &cases, &backends, effort, folder.as_deref(), |outcome| {
+        if !stdout {
+            print_outcome(&outcome, !args.case.is_empty());
         }
-    }
+        outcomes.push(outcome);
+        Ok(())
+    })?;
     let verdict = outcomes.iter().map(Outcome::verdict).max().unwrap_or(Verdict::Fail);
     let report = Report {
         schema: "lumbre-verify-1",

@@ -207,8 +207,7 @@ shared_structs! {
         values: uvec2,
         /// Device address of the numbers: block by block, those of the camera's paths before those of the lights', four for each chain.
         numbers: uvec2,
-        /// Device address of the probability that a path has at most so many segments, for each number of them; the last one is 1 and
-        /// stands for all longer ones too.
+        /// Device address of the probability that a large step is of the first so many kinds, for each number of them; the last one is 1.
         lengths: uvec2,
         /// How many of these there are.
         length_count: uint,
@@ -222,15 +221,17 @@ shared_structs! {
         camera_blocks: uint,
         /// Of the lights' paths.
         light_blocks: uint,
-        /// Mean of what paths bring, by the candidates.
+        /// Mean of the target over large steps, by the candidates.
         normalisation: float,
+        /// What the target of chains comes to where paths bring much more than that.
+        bound: float,
     }
 
     /// A path that a chain may begin with.
     pub struct Candidate {
-        /// What it brings: the mean of the channels, over the probability of its kind of length.
+        /// What it brings: the mean of the channels, over the density of candidates.
         brings: float,
-        /// That kind.
+        /// Its kind, eight bits; above them that of large steps which made it; above these, how much of their density is the last kind's.
         kind: uint,
     }
 
@@ -238,16 +239,16 @@ shared_structs! {
     pub struct Chain {
         /// The candidate that it begins with.
         candidate: uint,
-        /// The kind of length of its current path.
+        /// The kind of its current path; before it has begun, that of large steps which made its candidate.
         kind: uint,
         /// Blocks of numbers that this one used: of the camera's in the lower half, of the light's in the upper one; `NONE` before it
         /// has begun.
         known: uint,
-        /// What it brings: the mean of the channels, over the probability of its kind of length.
+        /// What it brings: the mean of the channels, over the density of large steps.
         brings: float,
         /// Where it ends in the image, in pixels.
         position: vec2,
-        /// Sum of what large steps brought, whether they were accepted or not.
+        /// Sum of the target where large steps went, whether they were accepted or not.
         sum: float,
         /// Its low part.
         sum_low: float,

@@ -2,12 +2,16 @@
 //!
 //! A chain visits paths in proportion to what they bring, so its visits say what the image looks like and not how bright it is. That is
 //! the mean of what candidates and large steps bring: both are independent paths. Chains begin with candidates that are chosen in
-//! proportion to what these bring, which leaves no bias of starting up (Veach 1997, section 11.3.1).
+//! proportion to what these bring, which leaves no bias of starting up (Veach 1997, section 11.3.1). Light that few paths find is met by as many
+//! chains as it deserves if candidates have met it, and by next to none otherwise: there should be many, however few chains there are.
+//!
+//! Where a path brings much more than the mean, chains visit it less often than that, and each visit counts for more: its target is bounded
+//! (see `shaders/lib/chains.glsl`), so that no path holds a chain for longer than the image takes, and the mean has few surprises.
 
 use std::time::Duration;
 
 use super::frames::{self, slots};
-use super::settings::Settings;
+use super::settings::{Settings, Technique};
 use super::state::State;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
@@ -16,8 +20,6 @@ use crate::layout::{BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, WO
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;
-/// The fewest candidates, however few the chains are.
-const FEWEST_CANDIDATES: u64 = 1 << 16;
 /// Blocks of numbers that a path draws before its first vertex, and at each, as far as they are worth keeping.
 const FIRST_BLOCKS: u64 = 2;
 const VERTEX_BLOCKS: u64 = 2;
@@ -48,8 +50,15 @@ pub(super) struct ChainSize {
     pub vertices: u64,
     /// Layers of what its path brings.
     layers: u64,
-    /// Kinds of length; the last one may be all longer ones.
+    /// Kinds of paths: by their length, or besides that what the camera's paths find, of whatever length.
     pub kinds: u64,
+}
+
+/// What the candidates say.
+struct Stock {
+    candidates: Vec<Candidate>,
+    /// The target of chains at each, over the density of candidates.
+    targets: Vec<f64>,
 }
 
 impl ChainSize {
@@ -58,7 +67,7 @@ impl ChainSize {
         if technique.row.kept != Kept::Chains {
             return Self::default();
         }
-        let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok()).unwrap_or(0.0) as u64;
+        let number = |name: &str| number(technique, name);
         let depth = u64::from(settings.max_depth.unwrap_or(u32::MAX));
         let blocks = |vertices: u64| FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(vertices);
         let longest = u64::from(BIDIRECTIONAL_LENGTH);
@@ -66,19 +75,19 @@ impl ChainSize {
             Some("multiplexed") => Self {
                 camera_blocks: blocks(MOST_VERTICES),
                 light_blocks: blocks(longest),
-                kinds: depth.clamp(1, longest + 1),
+                kinds: 1 + depth.clamp(1, longest),
                 ..Self::default()
             },
             Some("paths") => {
-                let kinds = depth.clamp(1, MOST_SEGMENTS);
-                Self { kinds, vertices: 2 * (kinds + 1), ..Self::default() }
+                let segments = depth.clamp(1, MOST_SEGMENTS);
+                Self { kinds: segments + 1, vertices: 2 * (segments + 1), ..Self::default() }
             }
             _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
         size.layers = u64::from(settings.layers().max(1));
         let all = slots(settings.width, settings.height);
         let workgroup = u64::from(WORKGROUP);
-        let asked = number("chains");
+        let asked = number("chains") as u64;
         let chains = if asked > 0 {
             asked
         } else {
@@ -88,7 +97,7 @@ impl ChainSize {
         size.of_sample = chains.min(all);
         size.chains = chains.div_ceil(size.of_sample) * size.of_sample;
         size.mutations = all.div_ceil(size.of_sample);
-        size.candidates = (number("candidates") * size.chains).max(FEWEST_CANDIDATES);
+        size.candidates = (number("candidates") as u64).max(size.chains);
         size
     }
 
@@ -133,10 +142,11 @@ pub(super) struct Chains {
     capacity: u64,
     /// The probability of each kind of length.
     shares: Vec<f64>,
-    /// What candidates bring in the mean, once they are all there.
-    mean: Option<f64>,
-    /// Sum of what they bring, and of its square.
-    sums: [f64; 2],
+    /// The bound of the target, in means of it over all paths that bring anything, and as a value once all candidates are there.
+    bound_in_means: f64,
+    bound: f64,
+    /// Sum of the target at candidates, once they are all there.
+    sum: Option<f64>,
 }
 
 impl Chains {
@@ -158,8 +168,9 @@ impl Chains {
             made: 0,
             capacity: frames::FIRST,
             shares: Vec::new(),
-            mean: None,
-            sums: [0.0; 2],
+            bound_in_means: number(&settings.technique, "bound"),
+            bound: f64::INFINITY,
+            sum: None,
         };
         chains.restart()?;
         Ok(Some(chains))
@@ -167,7 +178,7 @@ impl Chains {
 
     /// Forgets where chains are.
     pub fn restart(&mut self) -> Result<()> {
-        (self.made, self.mean, self.sums) = (0, None, [0.0; 2]);
+        (self.made, self.sum, self.bound) = (0, None, f64::INFINITY);
         let kinds = self.size.kinds as usize;
         self.shares = vec![1.0 / kinds as f64; kinds];
         self.describe(0.0)
@@ -194,12 +205,11 @@ impl Chains {
     }
 
     fn begin(&mut self) -> Result<()> {
-        let candidates = self.take_stock()?;
-        let begun = chosen(&candidates, self.size.chains as usize);
-        let states: Vec<Chain> = begun
+        let Stock { candidates, targets } = self.take_stock()?;
+        let states: Vec<Chain> = chosen(&targets, self.size.chains as usize)
             .map(|candidate| Chain {
                 candidate,
-                kind: candidates[candidate as usize].kind,
+                kind: Source::of(candidates[candidate as usize]).made_by as u32,
                 known: NONE,
                 ..Chain::default()
             })
@@ -207,30 +217,40 @@ impl Chains {
         self.states.upload(bytemuck::cast_slice(&states))
     }
 
-    /// What the candidates say of the mean and of the kinds of length; returns them.
-    fn take_stock(&mut self) -> Result<Vec<Candidate>> {
+    /// What the candidates say of the target, its bound and its mean, and of the kinds of length.
+    fn take_stock(&mut self) -> Result<Stock> {
         let candidates: Vec<Candidate> = self.candidates.read(self.size.candidates as usize)?;
-        let brings = |candidate: &Candidate| f64::from(candidate.brings);
-        self.sums = candidates.iter().map(brings).fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
-        let mean = self.sums[0] / candidates.len() as f64;
-        self.mean = Some(mean);
-        if mean == 0.0 {
+        let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
+        if brings().all(|brings| brings == 0.0) {
             return Err(Error::NothingFound(format!(
                 "no light in {} paths: there is nothing to mutate; more :candidates of mlt may find some, or another technique",
                 candidates.len()
             )));
         }
+        // Candidates have all kinds of length alike; large steps those that bring more, more often.
+        let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
         let mut shares = vec![0.0; self.size.kinds as usize];
+        let last = shares.len() - 1;
         for candidate in &candidates {
-            if let Some(share) = shares.get_mut(candidate.kind as usize) {
-                *share += brings(candidate);
-            }
+            let (source, target) = (Source::of(*candidate), bounded(f64::from(candidate.brings), first));
+            shares[source.kind.min(last)] += (1.0 - source.by_last) * target;
+            shares[last] += source.by_last * target;
         }
-        let all = shares.len() as f64;
-        shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / self.sums[0]);
+        let (all, sum) = (shares.len() as f64, shares.iter().sum::<f64>());
+        shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / sum);
         self.shares = shares;
-        self.describe(mean)?;
-        Ok(candidates)
+        // How much likelier a large step makes this path than a candidate was to be it.
+        let likelier = |candidate: &Candidate| {
+            let Source { kind, by_last, .. } = Source::of(*candidate);
+            all * ((1.0 - by_last) * self.shares[kind.min(last)] + by_last * self.shares[last])
+        };
+        let weighed = || candidates.iter().map(|c| (f64::from(c.brings) / likelier(c), likelier(c)));
+        let bound = bound(weighed(), self.bound_in_means);
+        let targets: Vec<f64> = weighed().map(|(brings, likelier)| likelier * bounded(brings, bound)).collect();
+        let sum = targets.iter().sum();
+        (self.bound, self.sum) = (bound, Some(sum));
+        self.describe(sum / candidates.len() as f64)?;
+        Ok(Stock { candidates, targets })
     }
 
     /// The candidates, and where each chain is. The table follows from the candidates: it holds addresses, which are this process's own.
@@ -275,6 +295,7 @@ impl Chains {
             camera_blocks: size.camera_blocks as u32,
             light_blocks: size.light_blocks as u32,
             normalisation: mean as f32,
+            bound: self.bound as f32,
         };
         self.table.upload(bytemuck::bytes_of(&table))
     }
@@ -289,27 +310,79 @@ impl Chains {
         self.shares.clone()
     }
 
-    /// What the film is to be multiplied by: the mean of what all independent paths so far bring, over that by which chains scaled their
-    /// visits; 1 before any.
+    /// What the target of chains comes to where paths bring much more than others, in the unit of [`Chain::brings`]; infinite before there
+    /// are any chains.
+    pub fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// What the film is to be multiplied by: the mean of the target over all independent paths so far, over that by which chains scaled
+    /// their visits; 1 before any.
     pub fn correction(&self) -> Result<f64> {
-        let Some(mean) = self.mean.filter(|mean| *mean > 0.0) else { return Ok(1.0) };
+        let Some(by_candidates) = self.sum else { return Ok(1.0) };
+        let candidates = self.size.candidates as f64;
+        let scaled_by = f64::from((by_candidates / candidates) as f32);
         let states = self.states()?;
         let sum: f64 = states.iter().map(|chain| f64::from(chain.sum) + f64::from(chain.sum_low)).sum();
         let count: f64 = states.iter().map(|chain| f64::from(chain.large_steps)).sum();
-        Ok((self.sums[0] + sum) / (self.size.candidates as f64 + count) / f64::from(mean as f32))
+        Ok((by_candidates + sum) / (candidates + count) / scaled_by)
     }
 }
 
-/// As many candidates as there are chains, each in proportion to what it brings: at equal distances along the sum of that (systematic
+/// Where a candidate is from, as `candidate_source` of `shaders/lib/chains.glsl` packs it.
+struct Source {
+    kind: usize,
+    /// The kind of large steps that made it.
+    made_by: usize,
+    /// Of the density of large steps there, what is not its kind's but the last one's.
+    by_last: f64,
+}
+
+impl Source {
+    fn of(candidate: Candidate) -> Self {
+        let word = candidate.kind;
+        let [kind, made_by] = [word & 0xff, word >> 8 & 0xff].map(|byte| byte as usize);
+        Self { kind, made_by, by_last: f64::from(word >> 16) / 65535.0 }
+    }
+}
+
+/// A number among the technique's parameters; 0 where it has none of that name.
+fn number(technique: &Technique, name: &str) -> f64 {
+    technique.value(name).and_then(|text| text.parse().ok()).unwrap_or(0.0)
+}
+
+/// The target of chains at a path that brings this: about as much where that is far below the bound, and never more than the bound.
+fn bounded(brings: f64, bound: f64) -> f64 {
+    brings / (1.0 + brings / bound)
+}
+
+/// The bound that is so many times the mean of the target under it, over the paths that bring anything; `paths` is what each brings, and how
+/// much it counts. The mean is the target's so that the brightest paths do not raise the bound that is to hold them.
+fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
+    let (values, weights): (Vec<f64>, Vec<f64>) = paths.filter(|(brings, _)| *brings > 0.0).unzip();
+    let all: f64 = weights.iter().sum();
+    let mean = |bound: f64| {
+        values.iter().zip(&weights).map(|(brings, weight)| weight * bounded(*brings, bound)).sum::<f64>() / all
+    };
+    // mean(x) / x falls from 1 to 0, so there is one solution. By x = means * mean(x) it lies below the plain mean times as many.
+    let (mut low, mut high) = (0.0, means * mean(f64::INFINITY));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if means * mean(middle) > middle { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// As many candidates as there are chains, each in proportion to the target: at equal distances along the sum of that (systematic
 /// resampling, Kitagawa 1996).
-fn chosen(candidates: &[Candidate], chains: usize) -> impl Iterator<Item = u32> {
-    let total: f64 = candidates.iter().map(|candidate| f64::from(candidate.brings)).sum();
-    let (mut index, mut passed) = (0, f64::from(candidates[0].brings));
+fn chosen(targets: &[f64], chains: usize) -> impl Iterator<Item = u32> {
+    let total: f64 = targets.iter().sum();
+    let (mut index, mut passed) = (0, targets[0]);
     (0..chains).map(move |chain| {
         let at = (chain as f64 + 0.5) / chains as f64 * total;
-        while passed <= at && index + 1 < candidates.len() {
+        while passed <= at && index + 1 < targets.len() {
             index += 1;
-            passed += f64::from(candidates[index].brings);
+            passed += targets[index];
         }
         index as u32
     })
@@ -322,15 +395,27 @@ mod tests {
     /// Each candidate is chosen as often as its share of the sum asks for, to within one, and what brings nothing never.
     #[test]
     fn chains_begin_in_proportion() {
-        let brings = [0.0, 3.0, 0.5, 0.0, 0.0, 6.5, 0.0];
-        let candidates = brings.map(|brings| Candidate { brings, kind: 0 });
+        let targets = [0.0, 3.0, 0.5, 0.0, 0.0, 6.5, 0.0];
         for chains in [1, 7, 100, 1001] {
             let mut counts = [0; 7];
-            chosen(&candidates, chains).for_each(|index| counts[index as usize] += 1);
-            for (count, brings) in counts.iter().zip(brings) {
-                assert!((f64::from(*count) - f64::from(brings) / 10.0 * chains as f64).abs() < 1.0, "{counts:?}");
-                assert!(brings > 0.0 || *count == 0, "{counts:?}");
+            chosen(&targets, chains).for_each(|index| counts[index as usize] += 1);
+            for (count, target) in counts.iter().zip(targets) {
+                assert!((f64::from(*count) - target / 10.0 * chains as f64).abs() < 1.0, "{counts:?}");
+                assert!(target > 0.0 || *count == 0, "{counts:?}");
             }
         }
+    }
+
+    /// The bound is so many times the mean of what it leaves, and one path of 10^9 does not raise it by more than its share.
+    #[test]
+    fn few_paths_do_not_raise_the_bound() {
+        let values: Vec<f64> = (0..1000).map(|i| f64::from(i % 10)).collect();
+        let plain = bound(values.iter().map(|x| (*x, 1.0)), 100.0);
+        let mean = values.iter().filter(|x| **x > 0.0).map(|x| bounded(*x, plain)).sum::<f64>() / 900.0;
+        assert!((plain / mean - 100.0).abs() < 1e-6, "{plain} over {mean}");
+        let with_one = bound(values.iter().copied().chain([1e9]).map(|x| (x, 1.0)), 100.0);
+        assert!(with_one > plain && with_one < 1.2 * plain, "{with_one} against {plain}");
+        let by_weight = bound((0..10).map(|i| (f64::from(i), 5.0)), 100.0);
+        assert!((by_weight / plain - 1.0).abs() < 1e-9, "{by_weight} against {plain}");
     }
 }

@@ -281,7 +281,12 @@ impl Renderer {
         self.chains.as_ref().map_or(Ok(Vec::new()), Chains::states)
     }
 
-    /// The probability that a large step of these has 1, 2, ... segments.
+    /// The bound of their target, see [`Chains::bound`]; 0 where there are none.
+    pub fn chain_bound(&self) -> f64 {
+        self.chains.as_ref().map_or(0.0, Chains::bound)
+    }
+
+    /// The probability that a large step of these is of each kind.
     pub fn length_shares(&self) -> Vec<f64> {
         self.chains.as_ref().map_or(Vec::new(), Chains::shares)
     }

@@ -173,7 +173,7 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let truth = tile_average(&film, [0, 0, 32, 32])[1];
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
         for (chains, seeds) in run.pick(vec![(100, 20), (10_000, 20), (1_000_000, 12)], vec![(1000, 16)]) {
-            let technique = format!("mlt:form={form}:chains={chains}:candidates=1");
+            let technique = format!("mlt:form={form}:chains={chains}:candidates=65536");
             let settings = limited(run.settings(&scene, &technique)?);
             let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
             let mut means = Vec::new();

@@ -59,6 +59,10 @@ const WALLS: [Wall; 7] = [
 /// The kinds of mutations, as `shaders/lib/path_mutations.glsl` has them.
 const KINDS: [&str; 4] = ["large step", "bidirectional", "from the camera", "towards the camera"];
 
+/// Large steps that run until they meet a light do so surely as far as this vertex, and with this probability at each further one.
+const RUN_SURE: usize = 4;
+const RUN_ON: f64 = 0.75;
+
 /// What the kernel says of one chain.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -136,6 +140,8 @@ struct Scattering {
 /// A path as its definition needs it.
 struct Measured {
     segments: usize,
+    /// It meets the lamp on its way.
+    meets_lamp: bool,
     links: Vec<Link>,
     /// At the end of each link but the last one.
     scattering: Vec<Scattering>,
@@ -230,7 +236,8 @@ impl Measured {
         let at =
             |pair: &[Link]| scattering(wall(position(pair[0].to), false), pair[0].directions[1], pair[1].directions[0]);
         let scattering = links.windows(2).map(at).collect();
-        (Self { segments, links, scattering }, flattest)
+        let on_lamp = |i: usize| !is_delta(i) && matches!(wall(position(i), false).2, Of::Lamp);
+        (Self { segments, meets_lamp: (1..segments).any(on_lamp), links, scattering }, flattest)
     }
 
     /// Density of directions at the camera, over solid angle: positions in the image are uniform.
@@ -278,11 +285,19 @@ impl Measured {
         sum / (last - first) as f64
     }
 
+    /// Density of large steps, `shares` of which are of each number of segments, and the last one of what runs until it meets the lamp.
+    fn large(&self, shares: &[f64]) -> f64 {
+        let from_camera: f64 = (0..self.links.len()).map(|link| self.forwards(link)).product();
+        let goes_on = RUN_ON.powi(self.segments.saturating_sub(RUN_SURE) as i32);
+        let runs = if self.meets_lamp { 0.0 } else { shares[MOST - 1] * goes_on * from_camera };
+        runs + shares[self.segments - 1] * self.bidirectional(0, self.segments + 1)
+    }
+
     /// Density with which a mutation of this kind proposes it, up to what is the same of the way back.
-    fn proposed(&self, kind: usize, first: usize, last: usize, from_segments: usize) -> f64 {
+    fn proposed(&self, kind: usize, first: usize, last: usize, from_segments: usize, shares: &[f64]) -> f64 {
         let made = self.links.iter().filter(|link| link.to < last);
         match kind {
-            0 => self.bidirectional(0, self.segments + 1),
+            0 => self.large(shares),
             1 => self.bidirectional(first, last) / (from_segments + 1) as f64,
             // The place in the image and directions are moved as far as back again.
             2 => self.camera_density() * made.map(|link| link.solid_angles[0]).product::<f64>(),
@@ -291,22 +306,21 @@ impl Measured {
     }
 }
 
-/// The ratio that decides, by its definition, and the flattest of both paths. `shares` are the probabilities of lengths.
+/// The ratio that decides, by its definition, and the flattest of both paths. `shares` are the probabilities of kinds of large steps.
 fn defined(answer: &Answer, shares: &[f64]) -> (f64, f64) {
     let [kind, from_segments, segments, first, last] =
         [answer.kind, answer.from_segments, answer.segments, answer.first, answer.last].map(|number| number as usize);
     let (x, flattest_x) = Measured::of(&answer.from, from_segments);
     let (y, flattest_y) = Measured::of(&answer.to, segments);
-    let share = |segments: usize| if kind == 0 { shares[segments - 1] } else { 1.0 };
-    let there = y.proposed(kind, first, last, from_segments) * share(segments);
-    let back = x.proposed(kind, first, last + from_segments - segments, segments) * share(from_segments);
+    let there = y.proposed(kind, first, last, from_segments, shares);
+    let back = x.proposed(kind, first, last + from_segments - segments, segments, shares);
     (y.brings() * back / (x.brings() * there), flattest_x.min(flattest_y))
 }
 
 /// Each mutation's ratio against its definition.
 pub(super) fn balance(run: &mut Run) -> Result<()> {
     let scene = room()?;
-    let technique = "mlt:form=paths:chains=4096:candidates=16:large-step=0.2";
+    let technique = "mlt:form=paths:chains=4096:candidates=65536:large-step=0.2";
     let settings = Settings { max_depth: Some(MOST as u32 - 1), ..run.settings(&scene, technique)? };
     let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
     while renderer.advance(2)? {}

@@ -27,6 +27,8 @@ mod toy;
 mod weights;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -115,4 +117,57 @@ pub fn measure(gpu: &Gpu, case: &Case, backend: Backend, effort: Effort, folder:
     (case.measure)(&mut run)?;
     let (figures, files) = run.finish();
     Ok(Outcome { case: case.name, backend: backend.name(), figures, files, seconds: started.elapsed().as_secs_f64() })
+}
+
+/// How many rows are measured at a time: drivers make kernels on one thread, and renderings seldom fill all others.
+const WORKERS: usize = 2;
+
+/// Measures every row of `cases` on those of `backends` that it is measured on, several at a time on a device of their own each, which `open`
+/// opens; `seen` is given what they came to in their order, as soon as it is known. Ends at the first failure of a device, of `check` after a
+/// row, or of `seen`.
+pub fn measure_all(
+    open: impl Fn() -> Result<Gpu> + Sync,
+    check: impl Fn(&Gpu) -> Result<()> + Sync,
+    cases: &[&'static Case],
+    backends: &[Backend],
+    effort: Effort,
+    folder: Option<&Path>,
+    mut seen: impl FnMut(Outcome) -> Result<()>,
+) -> Result<()> {
+    let rows = cases.iter().flat_map(|case| measured_on(case, backends).into_iter().map(|backend| (*case, backend)));
+    let jobs: Vec<(usize, (&Case, Backend))> = rows.enumerate().collect();
+    let next = AtomicUsize::new(0);
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..WORKERS.min(jobs.len()) {
+            let (sender, next, jobs, open, check) = (sender.clone(), &next, &jobs, &open, &check);
+            scope.spawn(move || {
+                let mut gpu: Option<Gpu> = None;
+                while let Some((index, (case, backend))) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let outcome = gpu.take().map_or_else(open, Ok).and_then(|opened| {
+                        let outcome = measure(&opened, case, *backend, effort, folder)?;
+                        check(&opened)?;
+                        gpu = Some(opened);
+                        Ok(outcome)
+                    });
+                    let failed = outcome.is_err();
+                    // Nobody listens any more where an earlier one failed.
+                    if sender.send((*index, outcome)).is_err() || failed {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let mut waiting: Vec<Option<Result<Outcome>>> = jobs.iter().map(|_| None).collect();
+        let mut told = 0;
+        for (index, outcome) in receiver {
+            waiting[index] = Some(outcome);
+            while let Some(outcome) = waiting.get_mut(told).and_then(Option::take) {
+                seen(outcome?)?;
+                told += 1;
+            }
+        }
+        Ok(())
+    })
 }

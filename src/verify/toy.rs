@@ -1,5 +1,5 @@
 //! Markov chains on a target that is known: a mosaic of lamps that fills the image, where paths have one segment and bring what the
-//! lamp there emits. Chains are at places in proportion to that.
+//! lamp there emits. Chains are at places in proportion to that, each counted by as much as its target is held back (`bound` of `mlt`).
 
 use glam::DVec3;
 
@@ -41,16 +41,28 @@ pub(super) fn chains(run: &mut Run) -> Result<()> {
     let cells = (0..LAMPS * LAMPS).map(|cell| radiance(cell % LAMPS, cell / LAMPS));
     let all: f64 = cells.clone().sum();
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary", "paths"]) {
-        let technique = format!("mlt:form={form}:chains={}:candidates=8:large-step=0.05", SIZE * SIZE);
+        let technique = format!("mlt:form={form}:chains={}:candidates=131072:large-step=0.05:bound=2", SIZE * SIZE);
         let settings = Settings { max_depth: Some(1), ..run.settings(&scene, &technique)? };
         let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
         for mutations in [1, run.pick(128, 64)] {
             while renderer.advance(mutations)? {}
             let chains = renderer.chains()?;
-            let mut counts = vec![0.0; LAMPS * LAMPS];
+            let bound = renderer.chain_bound();
+            // What stands for the chains at each lamp, and its square.
+            let mut sums = vec![[0.0; 2]; LAMPS * LAMPS];
             let place = |x: f32| ((f64::from(x) / f64::from(SIZE) * LAMPS as f64) as usize).min(LAMPS - 1);
-            chains.iter().for_each(|chain| counts[LAMPS * place(chain.position[1]) + place(chain.position[0])] += 1.0);
-            let expected: Vec<f64> = cells.clone().map(|cell| cell / all * chains.len() as f64).collect();
+            for chain in &chains {
+                let stands_for = 1.0 + f64::from(chain.brings) / bound;
+                let [sum, squares] = &mut sums[LAMPS * place(chain.position[1]) + place(chain.position[0])];
+                *sum += stands_for;
+                *squares += stands_for * stands_for;
+            }
+            // A sum of so many, each as large as their mean by squares, scatters as a count of them does.
+            let total: f64 = sums.iter().map(|[sum, _]| sum).sum();
+            let each = |[sum, squares]: [f64; 2]| if sum > 0.0 { squares / sum } else { 1.0 };
+            let counts: Vec<f64> = sums.iter().map(|cell| cell[0] / each(*cell)).collect();
+            let expected: Vec<f64> =
+                cells.clone().zip(&sums).map(|(cell, sums)| cell / all * total / each(*sums)).collect();
             let z = chi_square_z(&counts, &expected);
             run.note(Figure::at_most(
                 "mlt",

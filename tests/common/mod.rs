@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use lumbre::backend::{BACKENDS, Backend};
+use lumbre::error::Error;
 use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
 use lumbre::integrator::{Integrator, Kept};
@@ -21,16 +22,9 @@ use lumbre::verify::{Effort, Verdict};
 
 /// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
 ///
-/// `LUMBRE_TEST_DEVICE` chooses the device, `LUMBRE_TEST_VALIDATE=0` runs without the validation layer (on machines that
-/// have none).
 pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
     static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
-    let gpu = GPU.get_or_init(|| {
-        let validate = std::env::var("LUMBRE_TEST_VALIDATE").as_deref() != Ok("0");
-        let instance = Instance::new(validate).expect("a Vulkan instance");
-        let selector = std::env::var("LUMBRE_TEST_DEVICE").ok();
-        Mutex::new(Gpu::open(&instance, selector.as_deref()).expect("a Vulkan device"))
-    });
+    let gpu = GPU.get_or_init(|| Mutex::new(open_gpu().expect("a Vulkan device")));
     // A test that failed leaves the device as it was: the next one may use it.
     let gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
     let before = gpu.take_validation_messages();
@@ -39,6 +33,18 @@ pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
     let messages = gpu.take_validation_messages();
     assert!(messages.is_empty(), "Vulkan validation: {messages:#?}");
     result
+}
+
+/// `LUMBRE_TEST_DEVICE` chooses the device, `LUMBRE_TEST_VALIDATE=0` runs without the validation layer (on machines that
+/// have none).
+pub fn open_gpu() -> lumbre::error::Result<Gpu> {
+    let validate = std::env::var("LUMBRE_TEST_VALIDATE").as_deref() != Ok("0");
+    Gpu::open(&Instance::new(validate)?, std::env::var("LUMBRE_TEST_DEVICE").ok().as_deref())
+}
+
+/// Fails where the validation layer had anything to say.
+pub fn check_gpu(gpu: &Gpu) -> lumbre::error::Result<()> {
+    gpu.take_validation_messages().into_iter().next().map_or(Ok(()), |message| Err(Error::Validation(message)))
 }
 
 /// Rows of `lumbre verify` in their full form, on every backend: prints each figure, and fails with those beyond their bounds.
