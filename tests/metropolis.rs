@@ -192,6 +192,30 @@ fn every_light() {
     agrees("all lights", &scene(&[CAMERA, &room(MATTE, MATTE), point, sun, sky, LAMP].concat()), "bdpt", 24, |_| {});
 }
 
+/// A low bound makes chains visit all paths nearly alike, and each visit count for what its path brings: what they are scaled by must be right. Under
+/// a lamp as large as the ceiling of a bright room, half of the light has been scattered three times; between mirrors, only paths that run into
+/// the lamp find it.
+#[test]
+fn every_bound() {
+    let room = |walls: &str, side: f64| {
+        scene(&format!(
+            "<sensor type='perspective'><float name='fov' value='80'/>
+             <transform name='to_world'><lookat origin='0.3, -0.2, 0.9' target='-0.2, 0.1, -1' up='0, 1, 0'/></transform>
+             <film type='hdrfilm'><integer name='width' value='48'/><integer name='height' value='48'/><rfilter type='box'/></film></sensor>
+             <shape type='cube'><bsdf type='twosided'>{walls}</bsdf></shape>
+             <shape type='rectangle'><transform name='to_world'><scale value='{side}'/><rotate x='1' angle='90'/><translate y='0.97'/></transform>
+             <bsdf type='diffuse'/><emitter type='area'><rgb name='radiance' value='1, 2, 3'/></emitter></shape>"
+        ))
+    };
+    let matte = "<bsdf type='diffuse'><rgb name='reflectance' value='0.8, 0.75, 0.7'/></bsdf>";
+    let mirrors = "<bsdf type='conductor'><string name='material' value='none'/><rgb name='specular_reflectance' value='0.9, 0.8, 0.7'/></bsdf>";
+    let forms = FORMS.map(|form| format!("{form}:bound=1.5:large-step=0.8"));
+    let forms: Vec<&str> = forms.iter().map(String::as_str).collect();
+    agree(&forms, "under a lamp", &room(matte, 0.98), "path", [16, 96], |_| {});
+    // Longer paths are few and bright in form paths: so many seeds tell nothing of them.
+    agree(&forms, "between mirrors", &room(mirrors, 0.4), "path", [16, 96], |settings| settings.max_depth = Some(8));
+}
+
 /// Paths that end early, and those that are longer than any that have vertices from both sides.
 #[test]
 fn every_length() {

@@ -39,10 +39,12 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
         show(lab, sheet, room)?;
     }
     sheet.see(text(
-        "Metropolis has no white specks: a rare bright path is explored instead of counted once with a large weight. It pays with errors that hang together: \
+        "Metropolis has few white specks: a rare bright path is explored instead of counted once with a large weight, unless it is so much brighter than others that \
+         it would hold its chain for longer than the picture takes. It pays with errors that hang together: \
          blotches where a chain stayed, and regions that it has visited too seldom. In the primary space the sun is met by chance alone, \
          as by a path tracer: a chain that did stays, and leaves a bright spot of the caustic instead of all of it. Bidirectional path tracing has its noise from pixel to pixel.",
-        "Metropolis no deja motas blancas: un camino raro y brillante se explora en lugar de contarse una vez con un peso enorme. A cambio, sus errores van \
+        "Metropolis deja pocas motas blancas: un camino raro y brillante se explora en lugar de contarse una vez con un peso enorme, salvo si brilla tanto más que \
+         otros que retendría a su cadena más tiempo del que dura la imagen. A cambio, sus errores van \
          juntos: manchas donde una cadena se quedó y zonas que ha visitado demasiado poco. En el espacio primario, solo el azar da con el \
          sol, como en un trazador de caminos: la cadena que lo consigue se queda, y deja una mancha brillante de la cáustica en lugar de toda ella. El ruido del trazado bidireccional es de píxel a píxel.",
     ));
