@@ -281,7 +281,7 @@ impl Renderer {
         self.chains.as_ref().map_or(Ok(Vec::new()), Chains::states)
     }
 
-    /// The bound of their target, see [`Chains::bound`]; 0 where there are none.
+    /// The bound of their target, in the unit of [`Chain::brings`]; infinite before there are any, 0 where the technique has none.
     pub fn chain_bound(&self) -> f64 {
         self.chains.as_ref().map_or(0.0, Chains::bound)
     }
