@@ -21,7 +21,6 @@ use lumbre::scene::{LoadOptions, Scene};
 use lumbre::verify::{Effort, Verdict};
 
 /// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
-///
 pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
     static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
     let gpu = GPU.get_or_init(|| Mutex::new(open_gpu().expect("a Vulkan device")));
