@@ -199,6 +199,19 @@ fn time_limits_are_kept() {
     assert!(started.elapsed() < Duration::from_secs(20));
 }
 
+/// However short the time is, there is an image: each pixel has a sample, and chains have begun.
+#[test]
+fn no_time_is_too_short() {
+    let folder = tempfile::tempdir().unwrap();
+    for technique in ["path", "light", "mlt"] {
+        let args = ["-t", "0.001", "--size", "64x64", "-o", "a.png", "--json", "-", "-i", technique];
+        let json = works(folder.path(), &[&["render", &scene("cornell.xml")][..], &args].concat());
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let green = json["mean"][1].as_f64().unwrap();
+        assert!(json["spp"].as_u64().unwrap() >= 1 && (0.1..0.3).contains(&green), "{technique}: {json}");
+    }
+}
+
 /// Ctrl-C keeps what was rendered and says so.
 #[test]
 fn an_interrupt_keeps_the_image() {

@@ -253,6 +253,30 @@ fn starting_up_leaves_no_bias() {
     verify(&["mlt-start"]);
 }
 
+/// Where there is no time for all candidates, chains begin with those that there are, and the mean is right.
+#[test]
+fn a_start_cut_short() {
+    let scene = canon("cornell.xml", &[]);
+    with_gpu(|gpu| {
+        let truth = tiles(&render(gpu, &scene, &Settings { seed: 1, ..small(&scene, "path") }, 512));
+        for form in FORMS {
+            let form = form.replace("65536", "10000000");
+            let mut renderer = Renderer::new(gpu, &scene, &small(&scene, &form)).unwrap();
+            renderer.expect(0.0);
+            let films: Vec<Film> = (1000..1020)
+                .map(|seed| {
+                    renderer.restart(seed).unwrap();
+                    let frames = (0..8).take_while(|_| renderer.advance(12).unwrap() && renderer.progress() == 0.0);
+                    assert_eq!(frames.count(), 1, "{form}");
+                    while renderer.advance(12).unwrap() {}
+                    renderer.film().unwrap()
+                })
+                .collect();
+            assert_same_mean(&form, &tiles_over(&films), &truth, 1);
+        }
+    });
+}
+
 /// Layers by path length add up to the image, and are those of `path`.
 #[test]
 fn layers_add_up() {

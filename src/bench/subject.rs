@@ -98,7 +98,13 @@ impl Subject for Lumbre {
     }
 
     fn advance(&mut self, stop: Stop) -> Result<Snapshot> {
-        let late = |renderer: &Renderer| stop.seconds.is_some_and(|limit| renderer.seconds().render >= limit);
+        if let Some(seconds) = stop.seconds {
+            self.renderer.expect(seconds);
+        }
+        // An image that lacks pixels is not worth looking at, however little time there was.
+        let late = |renderer: &Renderer| {
+            renderer.spp() > 0 && stop.seconds.is_some_and(|limit| renderer.seconds().render >= limit)
+        };
         while !late(&self.renderer) && self.renderer.advance(stop.spp)? {}
         let film = self.renderer.film()?;
         let samples: u64 = film.counts.iter().sum();

@@ -49,7 +49,7 @@ pub(super) struct RenderArgs {
     #[arg(short = 'n', long, value_name = "SPP", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     spp: Option<u32>,
 
-    /// Render for this long instead
+    /// Render for this long instead, and until each pixel has a sample
     #[arg(short = 't', long, value_name = "SECONDS", conflicts_with = "spp", value_parser = parse_positive, allow_negative_numbers = true)]
     time: Option<f64>,
 
@@ -247,7 +247,11 @@ fn iterate(
     if let (Some(target), Some(next)) = (&mut target, next_look) {
         *target = target.at(next);
     }
-    while job.time.is_none_or(|limit| seconds < limit) {
+    if let Some(seconds) = job.time {
+        renderer.expect(seconds);
+    }
+    // However little time there is, each pixel has a sample: an image that lacks some is of no use.
+    while job.time.is_none_or(|limit| seconds < limit || renderer.spp() == 0) {
         renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
         seconds = before + rendering.elapsed().as_secs_f64();
         progress.update(renderer, seconds);

@@ -54,13 +54,6 @@ pub(super) struct ChainSize {
     pub kinds: u64,
 }
 
-/// What the candidates say.
-struct Stock {
-    candidates: Vec<Candidate>,
-    /// The target of chains at each, over the density of candidates.
-    targets: Vec<f64>,
-}
-
 impl ChainSize {
     pub fn of(settings: &Settings) -> Self {
         let technique = &settings.technique;
@@ -137,9 +130,13 @@ pub(super) struct Chains {
     values: Buffer,
     numbers: Buffer,
     candidates: Buffer,
-    /// Candidates that there are already, and how many fit into a frame, by the last one's speed.
+    /// Candidates that there are already, those that chains choose among, and how many fit into a frame, by the last one's speed.
     made: u64,
+    wanted: u64,
     capacity: u64,
+    /// What making them took, and may take.
+    took: Duration,
+    limit: Duration,
     /// The probability of each kind of length.
     shares: Vec<f64>,
     /// The bound of the target, in means of it over all paths that bring anything, and as a value once all candidates are there.
@@ -166,7 +163,10 @@ impl Chains {
             numbers: Buffer::new(gpu, "paths of chains", number_bytes)?,
             candidates: Buffer::new(gpu, "candidates", candidate_bytes)?,
             made: 0,
+            wanted: size.candidates,
             capacity: frames::FIRST,
+            took: Duration::ZERO,
+            limit: Duration::MAX,
             shares: Vec::new(),
             bound_in_means: number(&settings.technique, "bound"),
             bound: f64::INFINITY,
@@ -178,7 +178,8 @@ impl Chains {
 
     /// Forgets where chains are.
     pub fn restart(&mut self) -> Result<()> {
-        (self.made, self.sum, self.bound) = (0, None, f64::INFINITY);
+        (self.made, self.wanted, self.took) = (0, self.size.candidates, Duration::ZERO);
+        (self.sum, self.bound) = (None, f64::INFINITY);
         let kinds = self.size.kinds as usize;
         self.shares = vec![1.0 / kinds as f64; kinds];
         self.describe(0.0)
@@ -189,23 +190,44 @@ impl Chains {
         self.table.address()
     }
 
+    /// Bounds the time that candidates take: chains begin with those that are there by then, as long as any of them brings light.
+    pub fn limit(&mut self, limit: Duration) {
+        self.limit = limit;
+    }
+
     /// The next candidates to make: the first one, and how many; nothing where they are all there.
     pub fn missing(&self) -> Option<(u32, u32)> {
-        let left = self.size.candidates - self.made;
+        let left = self.wanted - self.made;
         // Vertices of candidates are made in the room of a chain each.
         let room = if self.size.vertices > 0 { self.size.chains } else { left };
         (left > 0).then(|| (self.made as u32, self.capacity.min(left).min(room) as u32))
     }
 
-    /// Takes note of candidates that were made; chooses among them once all are there.
+    /// Takes note of candidates that were made; chooses among them once all are there, or as many as there is time for.
     pub fn made(&mut self, count: u32, took: Duration) -> Result<()> {
         self.made += u64::from(count);
+        self.took += took;
         self.capacity = frames::adapted(self.capacity, u64::from(count), took);
-        if self.made == self.size.candidates { self.begin() } else { Ok(()) }
+        let is_late = self.took >= self.limit;
+        if self.made < self.wanted && !is_late {
+            return Ok(());
+        }
+        let candidates: Vec<Candidate> = self.candidates.read(self.made as usize)?;
+        if candidates.iter().any(|candidate| candidate.brings > 0.0) {
+            self.wanted = self.made;
+            return self.begin(&candidates);
+        }
+        if self.made < self.wanted {
+            return Ok(()); // time or not, there is nothing to begin with
+        }
+        Err(Error::NothingFound(format!(
+            "no light in {} paths: there is nothing to mutate; more :candidates of mlt may find some, or another technique",
+            candidates.len()
+        )))
     }
 
-    fn begin(&mut self) -> Result<()> {
-        let Stock { candidates, targets } = self.take_stock()?;
+    fn begin(&mut self, candidates: &[Candidate]) -> Result<()> {
+        let targets = self.take_stock(candidates)?;
         let states: Vec<Chain> = chosen(&targets, self.size.chains as usize)
             .map(|candidate| Chain {
                 candidate,
@@ -217,21 +239,15 @@ impl Chains {
         self.states.upload(bytemuck::cast_slice(&states))
     }
 
-    /// What the candidates say of the target, its bound and its mean, and of the kinds of length.
-    fn take_stock(&mut self) -> Result<Stock> {
-        let candidates: Vec<Candidate> = self.candidates.read(self.size.candidates as usize)?;
+    /// What the candidates say of the target, its bound and its mean, and of the kinds of length. Returns the target of chains at each,
+    /// over the density of candidates.
+    fn take_stock(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
         let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
-        if brings().all(|brings| brings == 0.0) {
-            return Err(Error::NothingFound(format!(
-                "no light in {} paths: there is nothing to mutate; more :candidates of mlt may find some, or another technique",
-                candidates.len()
-            )));
-        }
         // Candidates have all kinds of length alike; large steps those that bring more, more often.
         let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
         let mut shares = vec![0.0; self.size.kinds as usize];
         let last = shares.len() - 1;
-        for candidate in &candidates {
+        for candidate in candidates {
             let (source, target) = (Source::of(*candidate), bounded(f64::from(candidate.brings), first));
             shares[source.kind.min(last)] += (1.0 - source.by_last) * target;
             shares[last] += source.by_last * target;
@@ -250,18 +266,19 @@ impl Chains {
         let sum = targets.iter().sum();
         (self.bound, self.sum) = (bound, Some(sum));
         self.describe(sum / candidates.len() as f64)?;
-        Ok(Stock { candidates, targets })
+        Ok(targets)
     }
 
     /// The candidates, and where each chain is. The table follows from the candidates: it holds addresses, which are this process's own.
     pub fn transfer(&mut self, state: &mut State) -> Result<()> {
         state.long(&mut self.made)?;
-        state.check(self.made <= self.size.candidates, "a number of candidates")?;
+        state.long(&mut self.wanted)?;
+        state.check(self.made <= self.wanted && self.wanted <= self.size.candidates, "a number of candidates")?;
         for buffer in [&self.candidates, &self.states, &self.values, &self.numbers] {
             state.buffer(buffer)?;
         }
-        if state.restores() && self.made == self.size.candidates {
-            self.take_stock()?;
+        if state.restores() && self.made == self.wanted {
+            self.take_stock(&self.candidates.read(self.made as usize)?)?;
         }
         Ok(())
     }
@@ -320,7 +337,7 @@ impl Chains {
     /// their visits; 1 before any.
     pub fn correction(&self) -> Result<f64> {
         let Some(by_candidates) = self.sum else { return Ok(1.0) };
-        let candidates = self.size.candidates as f64;
+        let candidates = self.made as f64;
         let scaled_by = f64::from((by_candidates / candidates) as f32);
         let states = self.states()?;
         let sum: f64 = states.iter().map(|chain| f64::from(chain.sum) + f64::from(chain.sum_low)).sum();

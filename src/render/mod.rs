@@ -50,6 +50,9 @@ pub use watch::{Building, Watch};
 
 pub use crate::gpu::modules_fingerprint as kernels_fingerprint;
 
+/// Of the time that a rendering is given, what may pass before its first sample.
+const START_SHARE: f64 = 0.25;
+
 /// Seconds that the parts of a rendering took.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize)]
 pub struct Seconds {
@@ -181,6 +184,14 @@ impl Renderer {
         self.seconds.render += wall.as_secs_f64();
         self.seconds.device += device.as_secs_f64();
         Ok(self.plan.next(target).is_some())
+    }
+
+    /// Tells how many seconds of rendering there will be, where time is what ends it: what goes before the first sample takes the more
+    /// time the more there is, and no more than a quarter of it.
+    pub fn expect(&mut self, seconds: f64) {
+        if let Some(chains) = &mut self.chains {
+            chains.limit(Duration::try_from_secs_f64(seconds * START_SHARE).unwrap_or(Duration::MAX));
+        }
     }
 
     /// Forgets all samples and begins again with another seed; kernels and scene stay.
