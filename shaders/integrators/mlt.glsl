@@ -63,7 +63,7 @@ const bool MERGES_FIRST = false;
 #endif
 bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return numbers_begin(p.random, p.kind, e, w); }
 bool walk_extend(inout Walk w, Proposal p, inout Estimate e) { return numbers_extend(w, e); }
-float walk_share(Walk w, Proposal p) { return numbers_share(w) / length_probability(p.kind); }
+float walk_share(Walk w, Proposal p) { return numbers_share(w) / kind_probability(p.kind); }
 float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
 uint walk_kind(Walk w, Proposal p) { return p.kind; }
 uint walk_source(Walk w, Proposal p) { return candidate_source(p.kind, p.kind, 0.0); }

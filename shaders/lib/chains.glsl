@@ -27,20 +27,21 @@ Values value_at(uint chain, uint layer) {
 // A path that a chain may go to.
 struct Proposal {
     Sampler random; // at its beginning
-    uint kind;      // of length
+    uint kind;      // of large steps
     bool large;     // nothing of the current path is in it
     bool candidate; // for a chain to begin with
     Chain from;     // the chain that it is proposed to
 };
 
 // Probability that a large step is of the first `count` kinds.
-float length_share(uint count) { return count == 0u ? 0.0 : Floats(chain_table().lengths).at[count - 1u]; }
+float kinds_share(uint count) { return count == 0u ? 0.0 : Floats(chain_table().kinds_shares).at[count - 1u]; }
 
-float length_probability(uint kind) { return length_share(kind + 1u) - length_share(kind); }
+float kind_probability(uint kind) { return kinds_share(kind + 1u) - kinds_share(kind); }
 
-uint length_of(float u) {
+// The kind of the large step that a uniform number chooses.
+uint kind_of(float u) {
     uint kind = 0u;
-    while (kind + 1u < chain_table().length_count && u >= length_share(kind + 1u)) kind += 1u;
+    while (kind + 1u < chain_table().kind_count && u >= kinds_share(kind + 1u)) kind += 1u;
     return kind;
 }
 
@@ -50,7 +51,7 @@ Proposal candidate_proposal(uint index) {
     none.known = NONE;
     none.position = vec2(0.0);
     none.kind = 0u;
-    return Proposal(Sampler(index, 0u, 0u, 0u), length_of(decisions(index, 0u).x), true, true, none);
+    return Proposal(Sampler(index, 0u, 0u, 0u), kind_of(decisions(index, 0u).x), true, true, none);
 }
 
 // The chain's next proposal: its first one is the candidate that it begins with.
@@ -59,7 +60,7 @@ Proposal chain_propose(uint index, uint mutation, float large_step) {
     if (c.known == NONE) return Proposal(Sampler(c.candidate, 0u, 0u, 0u), c.kind, true, false, c);
     vec4 u = decisions(index, mutation);
     bool large = u.x < large_step;
-    return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? length_of(u.w) : c.kind, large, false, c);
+    return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? kind_of(u.w) : c.kind, large, false, c);
 }
 
 // What a path brings, as the chains see it.

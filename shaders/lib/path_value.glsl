@@ -179,15 +179,15 @@ const uint RUN_SURE = 4u;
 const float RUN_ON = 0.75;
 
 // The most segments of a path; also the kind of large steps that run until they meet a light.
-uint most_segments() { return chain_table().length_count - 1u; }
+uint most_segments() { return chain_table().kind_count - 1u; }
 
 // Density with which large steps make the path, over that of making it from the camera at its length: by running, and by all kinds.
 vec2 large_density(Route r) {
     uint k = r.segments;
     PathVertex light = route_vertex(r, k);
     bool ends = vertex_kind(light) == VERTEX_BACKGROUND || !is_alone(light) && light.pdf > 0.0;
-    float runs = ends && !r.meets_lamp ? length_probability(most_segments()) * pow(RUN_ON, float(max(k, RUN_SURE) - RUN_SURE)) : 0.0;
-    return vec2(runs, runs + length_probability(k - 1u) * ways(r, 0u, k + 1u) / float(k + 1u));
+    float runs = ends && !r.meets_lamp ? kind_probability(most_segments()) * pow(RUN_ON, float(max(k, RUN_SURE) - RUN_SURE)) : 0.0;
+    return vec2(runs, runs + kind_probability(k - 1u) * ways(r, 0u, k + 1u) / float(k + 1u));
 }
 
 // Perturbations from the camera (lens and multi-chain perturbations, Veach 1997, sections 11.4.2 and 11.4.4) move the place in the image, or

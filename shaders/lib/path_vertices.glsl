@@ -35,7 +35,7 @@ const uint PATH_VERTEX_BYTES = 76u;
 // Where a chain keeps a vertex of one of its two paths.
 PathVertices path_vertex(uint chain, uint slot, uint i) {
     ChainTable table = chain_table();
-    uint64_t room = uint64_t(table.length_count); // one more than segments
+    uint64_t room = uint64_t(table.kind_count); // one more than segments
     uint64_t index = (uint64_t(chain) * 2ul + uint64_t(slot)) * room + uint64_t(i);
     return PathVertices(unpack32(pack64(table.numbers) + uint64_t(PATH_VERTEX_BYTES) * index));
 }

@@ -208,9 +208,9 @@ shared_structs! {
         /// Device address of the numbers: block by block, those of the camera's paths before those of the lights', four for each chain.
         numbers: uvec2,
         /// Device address of the probability that a large step is of the first so many kinds, for each number of them; the last one is 1.
-        lengths: uvec2,
+        kinds_shares: uvec2,
         /// How many of these there are.
-        length_count: uint,
+        kind_count: uint,
         /// Chains.
         chains: uint,
         /// Chains that take part in one sample: the first so many in the first sample, the next so many in the second, and round again.

@@ -29,7 +29,7 @@ const MOST_VERTICES: u64 = 24;
 /// `shaders/lib/path_vertices.glsl`). Chains keep two paths: the current one and the proposal.
 const MOST_SEGMENTS: u64 = 32;
 const VERTEX_BYTES: u64 = 76;
-/// Of large steps, the share that goes to all kinds of length alike.
+/// Of large steps, the share that goes to all kinds alike.
 const ALIKE: f64 = 0.1;
 
 /// How much there is of each, before anything is allocated.
@@ -125,7 +125,7 @@ impl ChainSize {
 pub(super) struct Chains {
     size: ChainSize,
     table: Buffer,
-    lengths: Buffer,
+    kinds_shares: Buffer,
     states: Buffer,
     values: Buffer,
     numbers: Buffer,
@@ -137,7 +137,7 @@ pub(super) struct Chains {
     /// What making them took, and may take.
     took: Duration,
     limit: Duration,
-    /// The probability of each kind of length.
+    /// The probability that a large step is of each kind.
     shares: Vec<f64>,
     /// The bound of the target, in means of it over all paths that bring anything, and as a value once all candidates are there.
     bound_in_means: f64,
@@ -157,7 +157,7 @@ impl Chains {
         let mut chains = Self {
             size,
             table: Buffer::zeroed(gpu, "chains", size_of::<ChainTable>() as u64)?,
-            lengths: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
+            kinds_shares: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
             states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
             values: Buffer::zeroed(gpu, "chains", size.chains * size.value_bytes_of_chain())?,
             numbers: Buffer::new(gpu, "paths of chains", number_bytes)?,
@@ -239,11 +239,11 @@ impl Chains {
         self.states.upload(bytemuck::cast_slice(&states))
     }
 
-    /// What the candidates say of the target, its bound and its mean, and of the kinds of length. Returns the target of chains at each,
+    /// What the candidates say of the target, its bound and its mean, and of the kinds. Returns the target of chains at each,
     /// over the density of candidates.
     fn take_stock(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
         let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
-        // Candidates have all kinds of length alike; large steps those that bring more, more often.
+        // Candidates have all kinds alike; large steps those that bring more, more often.
         let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
         let mut shares = vec![0.0; self.size.kinds as usize];
         let last = shares.len() - 1;
@@ -283,7 +283,7 @@ impl Chains {
         Ok(())
     }
 
-    /// Writes the table, with the probability of each kind of length.
+    /// Writes the table, with the probability of each kind.
     fn describe(&self, mean: f64) -> Result<()> {
         let mut sum = 0.0;
         let mut cumulative: Vec<f32> = self
@@ -297,15 +297,15 @@ impl Chains {
         if let Some(last) = cumulative.last_mut() {
             *last = 1.0;
         }
-        self.lengths.upload(bytemuck::cast_slice(&cumulative))?;
+        self.kinds_shares.upload(bytemuck::cast_slice(&cumulative))?;
         let size = &self.size;
         let table = ChainTable {
             candidates: address(self.candidates.address()),
             states: address(self.states.address()),
             values: address(self.values.address()),
             numbers: address(self.numbers.address()),
-            lengths: address(self.lengths.address()),
-            length_count: size.kinds as u32,
+            kinds_shares: address(self.kinds_shares.address()),
+            kind_count: size.kinds as u32,
             chains: size.chains as u32,
             chains_of_sample: size.of_sample as u32,
             mutations: size.mutations as u32,
@@ -322,7 +322,7 @@ impl Chains {
         self.states.read(self.size.chains as usize)
     }
 
-    /// The probability of each kind of length.
+    /// The probability that a large step is of each kind.
     pub fn shares(&self) -> Vec<f64> {
         self.shares.clone()
     }

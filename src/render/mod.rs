@@ -298,7 +298,7 @@ impl Renderer {
     }
 
     /// The probability that a large step of these is of each kind.
-    pub fn length_shares(&self) -> Vec<f64> {
+    pub fn kind_shares(&self) -> Vec<f64> {
         self.chains.as_ref().map_or(Vec::new(), Chains::shares)
     }
 

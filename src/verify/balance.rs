@@ -324,7 +324,7 @@ pub(super) fn balance(run: &mut Run) -> Result<()> {
     let settings = Settings { max_depth: Some(MOST as u32 - 1), ..run.settings(&scene, technique)? };
     let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
     while renderer.advance(2)? {}
-    let shares = renderer.length_shares();
+    let shares = renderer.kind_shares();
     let probe = Probe::new(run.gpu, &scene, &settings, "test/mutations")?;
     let mut worst: [Worst; 4] = Default::default();
     let mut counts = [0; 4];
