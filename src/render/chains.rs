@@ -29,8 +29,10 @@ const MOST_VERTICES: u64 = 24;
 /// `shaders/lib/path_vertices.glsl`). Chains keep two paths: the current one and the proposal.
 const MOST_SEGMENTS: u64 = 32;
 const VERTEX_BYTES: u64 = 76;
-/// Of large steps, the share that goes to all kinds alike.
-const ALIKE: f64 = 0.1;
+/// Of large steps, the share that goes to kinds whatever these bring; candidates have no other.
+const FIXED: f64 = 0.2;
+/// Of that, the part of the kind that meets light by chance alone: where it is what finds an image's light, few of its paths find any.
+const CHANCE: f64 = 0.25;
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +54,8 @@ pub(super) struct ChainSize {
     layers: u64,
     /// Kinds of paths: by their length, or besides that what the camera's paths find, of whatever length.
     pub kinds: u64,
+    /// The one of these that meets light by chance alone.
+    by_chance: u64,
 }
 
 impl ChainSize {
@@ -73,7 +77,7 @@ impl ChainSize {
             },
             Some("paths") => {
                 let segments = depth.clamp(1, MOST_SEGMENTS);
-                Self { kinds: segments + 1, vertices: 2 * (segments + 1), ..Self::default() }
+                Self { kinds: segments + 1, by_chance: segments, vertices: 2 * (segments + 1), ..Self::default() }
             }
             _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
@@ -92,6 +96,17 @@ impl ChainSize {
         size.mutations = all.div_ceil(size.of_sample);
         size.candidates = (number("candidates") as u64).max(size.chains);
         size
+    }
+
+    /// The probability that a candidate is of each kind.
+    fn shares(&self) -> Vec<f64> {
+        let others = (1.0 - CHANCE) / (self.kinds - 1).max(1) as f64;
+        let share = |kind| match kind == self.by_chance {
+            true if self.kinds == 1 => 1.0,
+            true => CHANCE,
+            false => others,
+        };
+        (0..self.kinds).map(share).collect()
     }
 
     fn bytes_of_chain(&self) -> u64 {
@@ -180,8 +195,7 @@ impl Chains {
     pub fn restart(&mut self) -> Result<()> {
         (self.made, self.wanted, self.took) = (0, self.size.candidates, Duration::ZERO);
         (self.sum, self.bound) = (None, f64::INFINITY);
-        let kinds = self.size.kinds as usize;
-        self.shares = vec![1.0 / kinds as f64; kinds];
+        self.shares = self.size.shares();
         self.describe(0.0)
     }
 
@@ -243,7 +257,7 @@ impl Chains {
     /// over the density of candidates.
     fn take_stock(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
         let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
-        // Candidates have all kinds alike; large steps those that bring more, more often.
+        // Large steps have those kinds that bring more, more often.
         let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
         let mut shares = vec![0.0; self.size.kinds as usize];
         let last = shares.len() - 1;
@@ -252,13 +266,14 @@ impl Chains {
             shares[source.kind.min(last)] += (1.0 - source.by_last) * target;
             shares[last] += source.by_last * target;
         }
-        let (all, sum) = (shares.len() as f64, shares.iter().sum::<f64>());
-        shares.iter_mut().for_each(|share| *share = ALIKE / all + (1.0 - ALIKE) * *share / sum);
+        let (fixed, sum) = (self.size.shares(), shares.iter().sum::<f64>());
+        shares.iter_mut().zip(&fixed).for_each(|(share, fixed)| *share = FIXED * fixed + (1.0 - FIXED) * *share / sum);
         self.shares = shares;
         // How much likelier a large step makes this path than a candidate was to be it.
+        let of_kind: Vec<f64> = self.shares.iter().zip(&fixed).map(|(share, fixed)| share / fixed).collect();
         let likelier = |candidate: &Candidate| {
             let Source { kind, by_last, .. } = Source::of(*candidate);
-            all * ((1.0 - by_last) * self.shares[kind.min(last)] + by_last * self.shares[last])
+            (1.0 - by_last) * of_kind[kind.min(last)] + by_last * of_kind[last]
         };
         let weighed = || candidates.iter().map(|c| (f64::from(c.brings) / likelier(c), likelier(c)));
         let bound = bound(weighed(), self.bound_in_means);
@@ -378,16 +393,25 @@ fn bounded(brings: f64, bound: f64) -> f64 {
 fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
     let (values, weights): (Vec<f64>, Vec<f64>) = paths.filter(|(brings, _)| *brings > 0.0).unzip();
     let all: f64 = weights.iter().sum();
+    // The mean of the target, and its derivative by the bound.
     let mean = |bound: f64| {
-        values.iter().zip(&weights).map(|(brings, weight)| weight * bounded(*brings, bound)).sum::<f64>() / all
+        values.iter().zip(&weights).fold([0.0; 2], |[mean, slope], (brings, weight)| {
+            let target = bounded(*brings, bound);
+            [mean + weight / all * target, slope + weight / all * (target / bound).powi(2)]
+        })
     };
-    // mean(x) / x falls from 1 to 0, so there is one solution. By x = means * mean(x) it lies below the plain mean times as many.
-    let (mut low, mut high) = (0.0, means * mean(f64::INFINITY));
+    // means * mean(x) - x is concave and 0 at 0, so there is one solution beyond that. It lies below so many plain means, and Newton's method
+    // comes down to it from there without passing it.
+    let mut at = means * mean(f64::INFINITY)[0];
     for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if means * mean(middle) > middle { low = middle } else { high = middle }
+        let [mean, slope] = mean(at);
+        let step = (at - means * mean) / (1.0 - means * slope);
+        at -= step;
+        if step <= 1e-12 * at {
+            break;
+        }
     }
-    high
+    at
 }
 
 /// As many candidates as there are chains, each in proportion to the target: at equal distances along the sum of that (systematic
