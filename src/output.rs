@@ -1,6 +1,6 @@
 //! Writing images: EXR in 32-bit float, PNG in sRGB. A file is replaced only when the new one is complete.
 
-use std::fs::Permissions;
+use std::fs::{File, Permissions};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,8 @@ use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, Text,
     WritableImage,
 };
+use rustix::fs::{FlockOperation, flock};
+use rustix::io::Errno;
 
 use crate::error::{Error, Result};
 use crate::film::Image;
@@ -98,14 +100,47 @@ pub(crate) fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
+/// What the names of files begin with that are not complete yet, and how many characters follow.
+const PARTIAL: &str = ".lumbre-";
+const PARTIAL_CHARACTERS: usize = 6;
+
+/// A file that is locked for as long as this process writes it: the system undoes that when the process ends, however it ends, which tells
+/// whose files nobody will complete.
 fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile> {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder_of(path);
-    tempfile::Builder::new()
-        .prefix(".lumbre-")
-        .permissions(Permissions::from_mode(0o666)) // less what the umask takes away
-        .tempfile_in(&folder)
-        .map_err(|error| Error::write(path, error.kind()))
+    remove_remains(&folder);
+    loop {
+        let file = tempfile::Builder::new()
+            .prefix(PARTIAL)
+            .rand_bytes(PARTIAL_CHARACTERS)
+            .permissions(Permissions::from_mode(0o666)) // less what the umask takes away
+            .tempfile_in(&folder)
+            .map_err(|error| Error::write(path, error.kind()))?;
+        // Between these two another process may have taken it for remains: then it is another one's, or gone. Where nothing can be locked,
+        // nothing is removed either.
+        let is_lost = flock(file.as_file(), FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK);
+        if !is_lost && file.path().exists() {
+            return Ok(file);
+        }
+    }
+}
+
+/// Removes what processes left that were killed while they wrote. That it cannot be removed is no reason not to write.
+fn remove_remains(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let rest = name.to_str().and_then(|name| name.strip_prefix(PARTIAL));
+        if rest.is_none_or(|rest| rest.len() != PARTIAL_CHARACTERS)
+            || !entry.file_type().is_ok_and(|kind| kind.is_file())
+        {
+            continue;
+        }
+        let Ok(file) = File::options().append(true).open(entry.path()) else { continue };
+        if flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok() {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// An sRGB value of 0..255 for a linear one (IEC 61966-2-1).

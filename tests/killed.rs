@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use common::program::{errors, figures, files, render, signal, start, wait_for, works};
 use lumbre::input::read_image;
+use lumbre::output::replace_file;
 
 /// Kills of each case.
 const KILLS: u32 = 5;
@@ -145,4 +146,24 @@ fn what_is_begun_anew_says_so() {
     assert_eq!(works(line("--seed 2 --resume -q")), "");
     let said = common::program::fails(line("--resume"), 2);
     assert!(said.contains("what differs is seed (2 there, 0 asked for)"), "{said}");
+}
+
+/// What a killed process left half-written is removed by the next one that writes there, and what is being written is not.
+#[test]
+fn remains_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [".lumbre-dead42", ".lumbre-notes", "lumbre-abcdef"] {
+        std::fs::write(at(name), "half").unwrap();
+    }
+    let put = |name: &str, before: &dyn Fn()| {
+        replace_file(&at(name), |file| {
+            before();
+            file.write_all(b"whole").map_err(|error| error.to_string())
+        })
+        .unwrap();
+    };
+    put("slow", &|| put("quick", &|| ()));
+    assert_eq!(files(folder.path()), [".lumbre-notes", "lumbre-abcdef", "quick", "slow"]);
+    assert_eq!(std::fs::read(at("slow")).unwrap(), b"whole");
 }
