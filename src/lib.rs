@@ -41,6 +41,7 @@ pub mod bench;
 pub mod bvh;
 pub mod checkpoint;
 pub mod error;
+mod file_lock;
 pub mod film;
 pub mod gpu;
 pub mod input;

@@ -8,10 +8,9 @@ use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes, Text,
     WritableImage,
 };
-use rustix::fs::{FlockOperation, flock};
-use rustix::io::Errno;
 
 use crate::error::{Error, Result};
+use crate::file_lock::{Claim, claim};
 use crate::film::Image;
 
 /// A format that images are written in, by the extension of the file.
@@ -117,10 +116,8 @@ fn temporary_beside(path: &Path) -> Result<tempfile::NamedTempFile> {
             .permissions(Permissions::from_mode(0o666)) // less what the umask takes away
             .tempfile_in(&folder)
             .map_err(|error| Error::write(path, error.kind()))?;
-        // Between these two another process may have taken it for remains: then it is another one's, or gone. Where nothing can be locked,
-        // nothing is removed either.
-        let is_lost = flock(file.as_file(), FlockOperation::NonBlockingLockExclusive) == Err(Errno::WOULDBLOCK);
-        if !is_lost && file.path().exists() {
+        // Between these two another process may have taken it for remains. Where nothing can be locked, nothing is removed either.
+        if claim(file.as_file(), file.path()).map_or(true, |claim| claim == Claim::Held) {
             return Ok(file);
         }
     }
@@ -137,7 +134,7 @@ fn remove_remains(folder: &Path) {
             continue;
         }
         let Ok(file) = File::options().append(true).open(entry.path()) else { continue };
-        if flock(&file, FlockOperation::NonBlockingLockExclusive).is_ok() {
+        if claim(&file, &entry.path()).is_ok_and(|claim| claim == Claim::Held) {
             let _ = std::fs::remove_file(entry.path());
         }
     }

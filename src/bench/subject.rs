@@ -101,9 +101,8 @@ impl Subject for Lumbre {
         if let Some(seconds) = stop.seconds {
             self.renderer.expect(seconds);
         }
-        // An image that lacks pixels is not worth looking at, however little time there was.
         let late = |renderer: &Renderer| {
-            renderer.spp() > 0 && stop.seconds.is_some_and(|limit| renderer.seconds().render >= limit)
+            renderer.has_image() && stop.seconds.is_some_and(|limit| renderer.seconds().render >= limit)
         };
         while !late(&self.renderer) && self.renderer.advance(stop.spp)? {}
         let film = self.renderer.film()?;

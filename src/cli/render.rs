@@ -250,8 +250,7 @@ fn iterate(
     if let Some(seconds) = job.time {
         renderer.expect(seconds);
     }
-    // However little time there is, each pixel has a sample: an image that lacks some is of no use.
-    while job.time.is_none_or(|limit| seconds < limit || renderer.spp() == 0) {
+    while job.time.is_none_or(|limit| seconds < limit || !renderer.has_image()) {
         renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
         seconds = before + rendering.elapsed().as_secs_f64();
         progress.update(renderer, seconds);

@@ -267,6 +267,11 @@ impl Renderer {
         self.plan.spp()
     }
 
+    /// Whether every pixel has a sample: what lacks some is of no use to anyone, however little time there was.
+    pub fn has_image(&self) -> bool {
+        self.spp() > 0
+    }
+
     /// Samples that the average pixel has, the unfinished pass included.
     pub fn progress(&self) -> f64 {
         self.plan.progress()
