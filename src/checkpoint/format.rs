@@ -13,7 +13,7 @@ use crate::render::{Renderer, State};
 /// What each begins with.
 const MAGIC: &[u8; 8] = b"lumbreCP";
 /// Counts up whenever what follows is laid out differently.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// The most bytes of a header: what is longer is none.
 const MOST_HEADER: u32 = 1 << 20;
 /// Bytes of the checksum at the end: CRC-32 (IEEE 802.3) of all before it.

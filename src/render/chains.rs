@@ -29,6 +29,8 @@ const MOST_VERTICES: u64 = 24;
 /// `shaders/lib/path_vertices.glsl`). Chains keep two paths: the current one and the proposal.
 const MOST_SEGMENTS: u64 = 32;
 const VERTEX_BYTES: u64 = 76;
+/// Paths that a frame of candidates has room for at least, where it needs any: few chains are no reason to keep a device idle.
+const LEAST_ROOM: u64 = 1024;
 /// Of large steps, the share that goes to kinds whatever these bring; candidates have no other.
 const FIXED: f64 = 0.2;
 /// Of that, the part of the kind that meets light by chance alone: where it is what finds an image's light, few of its paths find any.
@@ -50,6 +52,8 @@ pub(super) struct ChainSize {
     pub light_blocks: u64,
     /// Vertices of paths that a chain has room for, where it keeps those instead.
     pub vertices: u64,
+    /// Paths that there is room for: one for each chain, or more, since candidates are made in the same room.
+    room: u64,
     /// Layers of what its path brings.
     layers: u64,
     /// Kinds of paths: by their length, or besides that what the camera's paths find, of whatever length.
@@ -95,6 +99,7 @@ impl ChainSize {
         size.chains = chains.div_ceil(size.of_sample) * size.of_sample;
         size.mutations = all.div_ceil(size.of_sample);
         size.candidates = (number("candidates") as u64).max(size.chains);
+        size.room = if size.vertices > 0 { size.chains.max(LEAST_ROOM) } else { size.chains };
         size
     }
 
@@ -130,7 +135,7 @@ impl ChainSize {
         let table = size_of::<ChainTable>() as u64 + 4 * self.kinds;
         [
             ("chains", states + table),
-            ("paths of chains", self.chains * self.number_bytes_of_chain()),
+            ("paths of chains", self.room * self.number_bytes_of_chain()),
             ("candidates", self.candidates * size_of::<Candidate>() as u64),
         ]
     }
@@ -212,9 +217,13 @@ impl Chains {
     /// The next candidates to make: the first one, and how many; nothing where they are all there.
     pub fn missing(&self) -> Option<(u32, u32)> {
         let left = self.wanted - self.made;
-        // Vertices of candidates are made in the room of a chain each.
-        let room = if self.size.vertices > 0 { self.size.chains } else { left };
+        let room = if self.size.vertices > 0 { self.size.room } else { left };
         (left > 0).then(|| (self.made as u32, self.capacity.min(left).min(room) as u32))
+    }
+
+    /// The share of candidates that are there; 1 once chains have begun.
+    pub fn progress(&self) -> f64 {
+        self.made as f64 / self.wanted as f64
     }
 
     /// Takes note of candidates that were made; chooses among them once all are there, or as many as there is time for.

@@ -272,6 +272,11 @@ impl Renderer {
         self.spp() > 0
     }
 
+    /// How much there is of what goes before the first sample, 0 to 1, where that is something to wait for: candidates of chains.
+    pub fn start(&self) -> f64 {
+        self.chains.as_ref().map_or(1.0, Chains::progress)
+    }
+
     /// Samples that the average pixel has, the unfinished pass included.
     pub fn progress(&self) -> f64 {
         self.plan.progress()

@@ -246,11 +246,7 @@ impl Settings {
         if self.strategies > 0 {
             let combining = INTEGRATORS.iter().filter(|row| row.kept == Kept::Paths).map(|row| row.name);
             if row.kept != Kept::Paths {
-                return bad(format!(
-                    "layers by strategy (--strategies) of {}: valid are they with {}",
-                    row.name,
-                    one_of(combining)
-                ));
+                return bad(format!("--strategies with {}: valid is it with {}", row.name, one_of(combining)));
             }
             if self.strategies > LONGEST || self.max_depth.is_none_or(|depth| depth > self.strategies) {
                 return bad(format!(

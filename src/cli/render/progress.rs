@@ -94,7 +94,11 @@ impl Progress {
         }
         .min(1.0);
         let left = if share > 0.0 { seconds / share - seconds } else { 0.0 };
+        let start = renderer.start();
         let line = || {
+            if start < 1.0 {
+                return format!("{:.0} % of the paths that chains begin with", 100.0 * start);
+            }
             let pixels = f64::from(renderer.settings().width) * f64::from(renderer.settings().height);
             let rate = samples * pixels / seconds.max(1e-9) / 1e6;
             format!("{samples:.1} spp, {rate:.2} Msamples/s, {left:.0} s left")
