@@ -8,6 +8,7 @@ size=96x96
 
 add cornell bdpt 20
 add cornell_spheres bdpt 40
+add veach_mis bdpt 40
 add bidirectional_room bdpt 40
 add door_ajar bdpt 40
 add caustic_small_light bdpt 40

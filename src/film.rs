@@ -2,6 +2,7 @@
 
 use crate::layout::FilmPixel;
 use crate::metrics::RELATIVE_FLOOR;
+use crate::metrics::stats::Estimate;
 use crate::strategies::Strategy;
 
 /// Sums of the samples of each pixel, row by row from the upper left.
@@ -21,6 +22,9 @@ pub struct Film {
     pub lengths: Vec<Vec<[f64; 3]>>,
     /// Sums by strategy, where they were asked for.
     pub strategies: Vec<StrategyLayers>,
+    /// What all of it is scaled by, the mean over the image of the target of Markov chains, where the technique has some. Then its samples
+    /// hang together, and their variance does not tell the error.
+    pub brightness: Option<Estimate>,
     /// Samples that were not finite and were dropped.
     pub nonfinite: u64,
     /// Where the first of them were.
@@ -86,6 +90,7 @@ impl Film {
             squares: pixels.iter().map(|pixel| pair(pixel.squares, pixel.squares_low)).collect(),
             lengths,
             strategies: Vec::new(),
+            brightness: None,
             nonfinite: 0,
             bad_samples: Vec::new(),
         }
@@ -149,11 +154,11 @@ impl Film {
     }
 
     /// The relMSE that the variance of the samples lets expect: the mean over pixels and channels of the mean's variance over
-    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown. A pixel's mean is large where its variance is, by
+    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown, and where samples hang together. A pixel's mean is large where its variance is, by
     /// the same bright samples, so the estimate is low by a share that falls with the number of samples: in the Cornell box 26 %
     /// at 16, 3 % at 128. (Means of neighbours in its place were 13 % low, medians and means of similar neighbours 55 % high.)
     pub fn estimated_relmse(&self) -> Option<f64> {
-        if self.spp() < 2 {
+        if self.spp() < 2 || self.brightness.is_some() {
             return None;
         }
         let (mean, variance) = (self.mean(), self.mean_variance());

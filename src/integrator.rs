@@ -217,7 +217,7 @@ const RADIUS: Parameter = Parameter {
 const ALPHA: Parameter = Parameter {
     name: "alpha",
     about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
-    values: Values::Number(0.0, 1.0, 2.0 / 3.0),
+    values: Values::Number(0.01, 0.99, 2.0 / 3.0),
     biased: None,
     misses: &[],
 };
@@ -268,8 +268,8 @@ pub const INTEGRATORS: &[Integrator] = &[
             },
             Parameter {
                 name: "lights",
-                about: "area: a random point of a light for each shadow ray; point: the same one of each triangle or sphere, so that \
-                        shadows are sharp",
+                about: "area: a random point of a light for each shadow ray; point: the middle of each triangle or sphere stands for all of \
+                        it, so that shadows are sharp",
                 values: Values::Choice(&["area", "point"]),
                 biased: Some(("point", "its lights are points, whose shadows are sharp")),
                 misses: &[],
@@ -481,7 +481,8 @@ pub const INTEGRATORS: &[Integrator] = &[
             },
             Parameter {
                 name: "chains",
-                about: "how many there are, rounded down; 0 is one for each pixel, as far as they fit into 256 MiB",
+                about: "how many there are at most, as few less as make one mutation for each pixel and sample come out even; 0 is one for each \
+                        pixel, as far as they fit into 256 MiB",
                 values: Values::Number(0.0, 16777216.0, 0.0),
                 biased: None,
                 misses: &[],
@@ -495,7 +496,8 @@ pub const INTEGRATORS: &[Integrator] = &[
             },
             Parameter {
                 name: "bound",
-                about: "paths that bring more than so many times the mean are visited as often as if they brought that, and count for more",
+                about: "K, in means of the target over all paths that bring anything: one that brings w is visited in proportion to w / (1 + w / K), \
+                        and each visit counts for 1 + w / K",
                 values: Values::Number(1.5, 1e9, 1000.0),
                 biased: None,
                 misses: &[],

@@ -6,9 +6,12 @@ mod common;
 
 use common::room::{LAMP, material_pairs, room, scene};
 use common::{assert_same_mean, canon, render, settings, verify, with_gpu};
+use glam::DVec3;
 use lumbre::backend::Backend;
+use lumbre::layout::Layered;
 use lumbre::render::{Settings, Technique};
-use lumbre::scene::Scene;
+use lumbre::scene::material::{layered, plain_layers};
+use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription};
 
 const SIZE: u32 = 48;
 const TILE: u32 = 12;
@@ -69,6 +72,55 @@ fn every_material() {
     for (a, b) in material_pairs() {
         // Smooth glass between lamp and floor makes caustics that `path` finds only by running into the lamp: it is large.
         agrees(&format!("{} and {}", a.0, b.0), &scene(&[CAMERA, &room(a.1, b.1), LAMP].concat()), 96);
+    }
+}
+
+/// A ball of coloured rough glass that absorbs, over a floor: a lamp in it, a lamp beside it, and both; seen from outside and from
+/// within. Paths from the lights begin in the medium that the light is in, and next-event estimation goes through the one that it leaves
+/// the surface to. `path-implicit`, which has none, says what is right.
+#[test]
+fn lights_within_what_absorbs() {
+    let within = |b: &mut SceneBuilder, lamp| b.sphere(0, "lamp", DVec3::new(0.0, 1.0, 0.0), 0.3, lamp);
+    let beside = |b: &mut SceneBuilder, lamp| {
+        let corner = DVec3::new(-1.0, 3.0, -1.0);
+        b.parallelogram(corner, DVec3::X * 2.0, DVec3::Z * 2.0, lamp);
+    };
+    let outside = DVec3::new(0.0, 1.6, 6.0);
+    for (what, inner, outer, eye) in [
+        ("a lamp within", true, false, outside),
+        ("a lamp beside", false, true, outside),
+        ("both, from within", true, true, DVec3::new(0.0, 1.1, 0.6)),
+    ] {
+        let mut builder = SceneBuilder::new(what);
+        let floor = builder.matte([0.6, 0.5, 0.4]);
+        builder.parallelogram(DVec3::new(-4.0, 0.0, -4.0), DVec3::Z * 8.0, DVec3::X * 8.0, floor);
+        let volume = Layered { transmission: 1.0, is_volume: 1, absorption: [0.2, 0.9, 2.0], ..plain_layers(0.0) };
+        let glass = Some(builder.material(layered([1.0; 3], 0.6, 1.5, volume)));
+        let glass = builder.surface(SurfaceDescription { front: glass, back: glass, ..SurfaceDescription::default() });
+        builder.sphere(0, "glass", DVec3::new(0.0, 1.0, 0.0), 0.9, glass);
+        let lamp = builder.surface(SurfaceDescription { emission: [9.0, 8.0, 7.0], ..SurfaceDescription::default() });
+        if inner {
+            within(&mut builder, lamp);
+        }
+        if outer {
+            beside(&mut builder, lamp);
+        }
+        builder.cameras.push(Camera::look_at(eye, DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 40.0).unwrap());
+        (builder.film.width, builder.film.height) = (SIZE, SIZE);
+        let scene = builder.finish().unwrap();
+        let absorption = scene.lights.iter().map(|light| light.absorption[1]).collect::<Vec<_>>();
+        assert_eq!((absorption.contains(&0.9), absorption.contains(&0.0)), (inner, outer), "{what}: {absorption:?}");
+        with_gpu(|gpu| {
+            let film = |technique: &str, seed: u32, spp: u32| {
+                render(gpu, &scene, &Settings { seed, ..settings(&scene, technique, Backend::Bvh) }, spp)
+            };
+            let truth = film("path-implicit", 1000, 3072);
+            for (seed, (technique, spp)) in (0..).zip([("path", 512), ("light", 512), ("bdpt", 128)]) {
+                assert_same_mean(&format!("{what}: {technique}"), &film(technique, seed, spp), &truth, TILE);
+            }
+            let direct = film("direct", 0, 512);
+            assert_same_mean(&format!("{what}: direct"), &direct, &film("direct:sampling=bsdf", 1, 2048), TILE);
+        });
     }
 }
 

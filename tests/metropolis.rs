@@ -181,6 +181,28 @@ fn the_whole_canon() {
     assert!(apart.is_empty(), "{apart:#?}");
 }
 
+/// The brightness that an image is scaled by comes with its error: seeds differ by as much.
+#[test]
+fn brightness_states_its_error() {
+    const SEEDS: u32 = 96;
+    let scene = canon("cornell.xml", &[("size", "16")]);
+    with_gpu(|gpu| {
+        for form in FORMS {
+            let technique = form.replace("candidates=65536", "chains=128:candidates=4096");
+            let films = films(gpu, &scene, &small(&scene, &technique), SEEDS, 16);
+            let stated: Vec<_> = films.iter().map(|film| film.brightness.unwrap()).collect();
+            let of_mean = Estimate::of(&stated.iter().map(|found| found.mean).collect::<Vec<_>>());
+            let found = of_mean.variance * f64::from(SEEDS);
+            let expected = stated.iter().map(|found| found.variance).sum::<f64>() / f64::from(SEEDS);
+            let ratio = (found / expected).sqrt();
+            println!("{technique}: {:.5}, stated error {:.2e}, ratio {ratio:.2}", of_mean.mean, expected.sqrt());
+            // Of a variance over 96 seeds, four standard deviations of its root are 0.29.
+            assert!((0.71..1.29).contains(&ratio), "{technique}: {ratio}");
+            assert!(films[0].estimated_relmse().is_none(), "samples that hang together tell no error");
+        }
+    });
+}
+
 /// Every kind of light, and a background.
 #[test]
 fn every_light() {

@@ -45,6 +45,17 @@ fn each_strategy_brings_all_of_its_length() {
                 assert!(z.abs() < 5.0, "{} on {}: z {z}", strategy.name(), backend.name());
                 assert!(found.variance.sqrt() < 0.05 * found.mean, "{}: too coarse", strategy.name());
             }
+            // Layers have a shadow ray for each connection, the technique by itself one for all: the same image in the mean.
+            let plain = Settings { strategies: 0, ..settings.clone() };
+            let average = |film: &Film| film.average()[1];
+            let plain: Vec<f64> = (0..SEEDS)
+                .map(|seed| average(&render(gpu, &scene, &Settings { seed: 50 + seed, ..plain.clone() }, 256)))
+                .collect();
+            let (layered, plain) =
+                (Estimate::of(&films.iter().map(average).collect::<Vec<f64>>()), Estimate::of(&plain));
+            println!("{}: {:.6} weighted, {:.6} without layers", backend.name(), layered.mean, plain.mean);
+            assert!(layered.z(&plain).abs() < 4.0, "{layered:?} against {plain:?}");
+            assert!(layered.variance.sqrt() < 2e-3 * layered.mean, "{layered:?}: too coarse");
             let (film, image) = (&films[0], films[0].mean());
             let weighted: Vec<_> = film.strategies.iter().map(|layers| film.image_of(&layers.weighted)).collect();
             for (pixel, whole) in image.pixels.iter().enumerate() {

@@ -77,6 +77,49 @@ fn light_that_was_scattered_twice_is_left_out() {
     });
 }
 
+/// A point stands for all of a lamp: a floor under it has rho / pi times intensity, cosine and one over the squared distance of the middle,
+/// however near it is (Goral et al. 1984 call that the point-source approximation). Near lamps are sampled by solid angle otherwise.
+#[test]
+fn the_middle_stands_for_the_lamp() {
+    const RHO: f64 = 0.5; // Mitsuba's default
+    let floor = "<shape type='rectangle'><transform name='to_world'><scale value='4'/><rotate x='1' angle='-90'/></transform><bsdf type='diffuse'/></shape>
+        <sensor type='orthographic'><transform name='to_world'><scale value='0.5'/><lookat origin='0.7, 0.2, 0.4' target='0.7, 0, 0.4' up='0, 0, 1'/></transform>
+            <film type='hdrfilm'><integer name='width' value='16'/><integer name='height' value='16'/><rfilter type='box'/></film></sensor>";
+    let ball = "<shape type='sphere'><point name='center' x='0' y='1.5' z='0'/><float name='radius' value='0.7'/>
+        <emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+    // A rectangle is two triangles: their centroids lie a third of its half diagonals off its middle.
+    let square = "<shape type='rectangle'><transform name='to_world'><scale value='1.2'/><rotate x='1' angle='90'/><translate y='1.5'/></transform>
+        <emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>";
+    let area = 1.2 * 1.2 * 2.0; // of one triangle
+    let (x, z) = (0.7, 0.4);
+    let of_point = |at: [f64; 3], intensity: &dyn Fn(f64) -> f64| {
+        let d2 = (at[0] - x).powi(2) + at[1].powi(2) + (at[2] - z).powi(2);
+        let cosine = at[1] / d2.sqrt();
+        RHO / std::f64::consts::PI * intensity(cosine) * cosine / d2
+    };
+    let expected_of_ball = of_point([0.0, 1.5, 0.0], &|_| 5.0 * std::f64::consts::PI * 0.49);
+    let by_diagonal = [[0.4, -0.4], [0.4, 0.4]].map(|[a, b]| {
+        [[a, 1.5, b], [-a, 1.5, -b]].map(|at| of_point(at, &|cosine| 5.0 * area * cosine)).iter().sum::<f64>()
+    });
+    with_gpu(|gpu| {
+        for backend in backends(gpu) {
+            let found = |lamp: &str| {
+                let scene = room::scene(&[floor, lamp].concat());
+                let film = render(gpu, &scene, &settings(&scene, "whitted:lights=point", backend), 256);
+                // The middle of the image: within a pixel of it the light is as good as linear.
+                let [_, measured, _] = common::tile_average(&film, 7..9, 7..9);
+                measured.mean
+            };
+            let ball = found(ball);
+            println!("{}: {ball} under a ball, {expected_of_ball} by its middle", backend.name());
+            assert!((ball / expected_of_ball - 1.0).abs() < 3e-3, "{ball} against {expected_of_ball}");
+            let square = found(square);
+            println!("{}: {square} under a square, {by_diagonal:?} by the middles of its halves", backend.name());
+            assert!(by_diagonal.iter().any(|expected| (square / expected - 1.0).abs() < 1e-2), "{square}");
+        }
+    });
+}
+
 #[test]
 fn lights_of_one_point_have_sharp_shadows() {
     // Orthographic pixels on a floor under one large triangle and a block: with the whole lamp the block has a penumbra, with its middle

@@ -45,7 +45,7 @@ bool path_extend(inout Path path, inout Estimate e) {
         vec3 wi = vertex_to_local(v, light.wi);
         float weight = by_emitter(light, power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi)));
         vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;
-        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays));
         if (PARAM0 == SAMPLE_EMITTER) return false;
     }
     path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));

@@ -18,7 +18,7 @@ void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     if (!seen.visible) return;
     vec3 value = e.shown * (seen.cosine * seen.camera.importance / (seen.camera.distance2 * light_path_count()));
     uint seen_by = splat_pixel(seen.camera.position, seen.u, value);
-    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * trace_transmittance(seen.ray, rays));
+    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * segment_transmittance(seen.ray, e.absorption, rays));
 }
 
 // Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.

@@ -3,12 +3,13 @@
 // reflects and refracts, the path branches; nothing else scatters further.
 //
 // branches=one follows one of the two by chance instead: the same image in the mean, by single paths.
-// lights=point takes one point of each triangle or sphere for all of it (of a triangle its middle), as the first ray tracers did: shadows are sharp.
+// lights=point takes the middle of each triangle or sphere for all of it, as the first ray tracers did: shadows are sharp.
 #version 460
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"
 #include "lib/path.glsl"
 #include "lib/chance.glsl"
+#include "lights/middle.glsl"
 
 const bool BRANCHES = PARAM0 == 0u;
 const bool POINT_LIGHTS = PARAM1 == 1u;
@@ -64,10 +65,13 @@ bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
 void gather_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
         vec4 u = next4(path.random);
-        bool whole = !POINT_LIGHTS || (HAS_BACKGROUND && u.x < scene.background_probability); // the background has no middle
-        LightSample light = light_sample(vertex_receiver(v, b), whole ? u : vec4(u.xy, 0.5, 0.5));
-        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, vertex_to_local(v, light.wi), light.wi) * light.weight / float(shadow_rays());
-        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, path.absorption, e.rays));
+        Receiver r = vertex_receiver(v, b);
+        LightSample light = no_light();
+        if (POINT_LIGHTS) light = light_middle_sample(r, u);
+        else light = light_sample(r, u);
+        vec3 wi = vertex_to_local(v, light.wi);
+        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight / float(shadow_rays());
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays));
     }
 }
 

@@ -25,7 +25,8 @@ void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, flo
             continue;
         }
         float brings = max(c.value.x, max(c.value.y, c.value.z)) * c.weight;
-        if (!(brings > 0.0)) continue;
+        if (brings <= 0.0) continue;
+        if (!(brings < INFINITY)) gather(pixel, e, y.segments + 1u, t, c.value, c.weight); // counted, and dropped, with all that the pixel's sample has
         total += brings;
         // Chooses by what is left of the same number (Chao 1982).
         float probability = brings / total;

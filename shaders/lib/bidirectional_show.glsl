@@ -23,7 +23,7 @@ Shown shown_light(Path path, EmittedRay e) {
     shown.position = seen.camera.position;
     shown.u = seen.u;
     shown.ray = seen.ray;
-    shown.absorption = vec3(0.0);
+    shown.absorption = e.absorption;
     return shown;
 }
 

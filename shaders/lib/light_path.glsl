@@ -14,7 +14,9 @@ Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
     vec4 u = next4(random);
     vec4 v = next4(random);
     emitted = light_emit(u, v);
-    return path_along(Ray(emitted.origin, emitted.direction, INFINITY), random, false);
+    Path path = path_along(Ray(emitted.origin, emitted.direction, INFINITY), random, false);
+    if (HAS_ABSORPTION) path.absorption = emitted.absorption;
+    return path;
 }
 
 // f |cos| of light that came along the ray and leaves along `world`, for power: f takes light from where it came to where it goes,
@@ -62,12 +64,6 @@ LightView light_view(EmittedRay e, Sampler random) {
     v.ray = ray_between(offset_origin(e.position, distance(e.origin, e.position), e.normal, v.camera.direction), v.camera.target);
     v.u = u.zw;
     return v;
-}
-
-// Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.
-vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
-    if (!HAS_ABSORPTION || (b.m.flags & MATERIAL_HAS_ABSORPTION) == 0u || local.z * v.wo.z > 0.0) return absorption;
-    return local.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }
 
 // Share of light that passes along a ray with two ends through a medium.

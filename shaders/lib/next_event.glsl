@@ -6,5 +6,5 @@ vec3 next_event(Path path, Vertex v, Bsdf b, vec3 carried, vec4 u, inout uint ra
     vec3 wi = vertex_to_local(v, light.wi);
     float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, bsdf_pdf(b, v.wo, wi));
     vec3 radiance = carried * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight * weight;
-    return radiance == vec3(0.0) ? radiance : radiance * vertex_transmittance(v, light, path.absorption, rays);
+    return radiance == vec3(0.0) ? radiance : radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), rays);
 }

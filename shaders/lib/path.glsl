@@ -136,6 +136,12 @@ Ray vertex_shadow_ray(Vertex v, LightSample light) {
     return light.distant ? vertex_ray(v, light.wi) : vertex_ray_to(v, light.wi, light.target);
 }
 
+// Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.
+vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
+    if (!HAS_ABSORPTION || (b.m.flags & MATERIAL_HAS_ABSORPTION) == 0u || local.z * v.wo.z > 0.0) return absorption;
+    return local.z < 0.0 ? b.layered.absorption : vec3(0.0);
+}
+
 // Share of the light sample that reaches the vertex of a path in a medium of this absorption.
 vec3 vertex_transmittance(Vertex v, LightSample light, vec3 absorption, inout uint rays) {
     Ray ray = vertex_shadow_ray(v, light);

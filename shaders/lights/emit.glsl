@@ -13,10 +13,11 @@ struct EmittedRay {
     bool delta;     // no path from the camera runs into this light
     bool distant;   // the light is infinitely far
     uint light;     // index; NONE is the background
+    vec3 absorption; // of the medium that the light shines in, 1/m
 };
 
 EmittedRay no_emission() {
-    return EmittedRay(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 1.0, 1.0, 0.0, false, false, NONE);
+    return EmittedRay(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), 1.0, 1.0, 0.0, false, false, NONE, vec3(0.0));
 }
 
 // Where a light stands far off, or is infinitely far and something else stands far off, few of the directions that it shines in meet

@@ -56,32 +56,45 @@ LightSample delta_light_sample(Light light, vec3 p) {
     return s;
 }
 
-// A sample of one light, chosen from the background, the alias table or the tree by u.xy, then sampled by u.zw.
-LightSample light_sample(Receiver r, vec4 u) {
-    vec3 p = r.position;
-    if (HAS_BACKGROUND) {
-        if (u.x < scene.background_probability) return background_sample(p, vec4(u.x / scene.background_probability, u.yzw));
-        u.x = (u.x - scene.background_probability) / (1.0 - scene.background_probability);
-    }
+// Whether a uniform number chooses the background, after which it is uniform again.
+bool background_chosen(inout float u) {
+    if (!HAS_BACKGROUND) return false;
+    float share = scene.background_probability;
+    bool chosen = u < share;
+    u = chosen ? u / share : (u - share) / (1.0 - share);
+    return chosen;
+}
+
+// One of all other lights, chosen from the alias table or the tree, with the probability of that; false where there is none.
+bool light_choose(Receiver r, vec2 u, out Light light) {
     uint count = HAS_LIGHT_TREE ? scene.table_lights : light_count();
     bool from_tree = HAS_LIGHT_TREE && u.x >= scene.table_probability;
-    if (count == 0u && !from_tree) return no_light();
+    if (count == 0u && !from_tree) return false;
     uint index = 0u;
     float selection = 1.0;
     if (HAS_LIGHT_TREE) {
         float share = scene.table_probability;
         if (from_tree) index = light_tree_sample(r, vec2((u.x - share) / (1.0 - share), u.y), selection);
         else u.x /= share;
-        if (selection == 0.0) return no_light();
+        if (selection == 0.0) return false;
     }
     if (!from_tree && count > 1u) {
         index = min(uint(u.x * float(count)), count - 1u);
         Light drawn = load_light(index);
         if (u.y >= drawn.keep) index = drawn.alias;
     }
-    Light light = load_light(index);
+    light = load_light(index);
     if (HAS_LIGHT_TREE) light.probability *= selection;
+    return true;
+}
+
+// A sample of one light, which u.xy chooses, then sampled by u.zw.
+LightSample light_sample(Receiver r, vec4 u) {
+    vec3 p = r.position;
+    if (background_chosen(u.x)) return background_sample(p, u);
+    Light light;
     LightSample s = no_light();
+    if (!light_choose(r, u.xy, light)) return s;
     if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_sample(light, p, u.zw);
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
     if (HAS_DELTA_LIGHTS && is_delta_light(light)) s = delta_light_sample(light, p);
@@ -119,6 +132,7 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) e = projector_light_emit(light, v.xy);
     if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) e = directional_light_emit(light, v.xy);
     e.light = index;
+    if (HAS_ABSORPTION) e.absorption = light.absorption;
     return e;
 }
 

@@ -225,7 +225,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write_json(path, &result)?;
     }
     if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
-        report::print_summary(&result, &film, &job.outputs, interrupted.load(Ordering::Relaxed));
+        report::print_summary(&result, &job.outputs, interrupted.load(Ordering::Relaxed));
     }
     kept.map_err(|error| keeper.explain(error))?;
     DeviceArgs::report_validation(&gpu)

@@ -269,6 +269,8 @@ shared_structs! {
         emission_keep: float,
         /// ... and the entry to take instead.
         emission_alias: uint,
+        /// Absorption of the medium that it shines in, 1/m; of what is infinitely far, nothing.
+        absorption: vec3,
     }
 
     /// A node of the light tree: bounds on the lights below it, in coordinates that the root's radius makes one.

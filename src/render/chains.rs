@@ -10,13 +10,14 @@
 
 use std::time::Duration;
 
-use super::frames::{self, slots};
+use super::frames;
 use super::settings::{Settings, Technique};
 use super::state::State;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Kept;
 use crate::layout::{BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, WORKGROUP, address};
+use crate::metrics::stats::Estimate;
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;
@@ -86,18 +87,15 @@ impl ChainSize {
             _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
         size.layers = u64::from(settings.layers().max(1));
-        let all = slots(settings.width, settings.height);
+        let pixels = u64::from(settings.width) * u64::from(settings.height);
         let workgroup = u64::from(WORKGROUP);
         let asked = number("chains") as u64;
-        let chains = if asked > 0 {
+        let most = if asked > 0 {
             asked
         } else {
-            (CHAIN_BYTES / size.bytes_of_chain() / workgroup * workgroup).clamp(workgroup, all)
+            (CHAIN_BYTES / size.bytes_of_chain() / workgroup * workgroup).clamp(workgroup, pixels.max(workgroup))
         };
-        // More than take part in a sample take turns.
-        size.of_sample = chains.min(all);
-        size.chains = chains.div_ceil(size.of_sample) * size.of_sample;
-        size.mutations = all.div_ceil(size.of_sample);
+        [size.chains, size.of_sample, size.mutations] = divided(pixels, most);
         size.candidates = (number("candidates") as u64).max(size.chains);
         size.room = if size.vertices > 0 { size.chains.max(LEAST_ROOM) } else { size.chains };
         size
@@ -164,6 +162,10 @@ pub(super) struct Chains {
     bound: f64,
     /// Sum of the target at candidates, once they are all there.
     sum: Option<f64>,
+    /// Sum of the squared differences of those from their mean.
+    squares: f64,
+    /// Where along the sum of the target the first chain begins, in 0..1 of what there is for each.
+    offset: f64,
 }
 
 impl Chains {
@@ -191,13 +193,16 @@ impl Chains {
             bound_in_means: number(&settings.technique, "bound"),
             bound: f64::INFINITY,
             sum: None,
+            squares: 0.0,
+            offset: 0.0,
         };
-        chains.restart()?;
+        chains.restart(settings.seed)?;
         Ok(Some(chains))
     }
 
-    /// Forgets where chains are.
-    pub fn restart(&mut self) -> Result<()> {
+    /// Forgets where chains are, and begins again with another seed.
+    pub fn restart(&mut self, seed: u32) -> Result<()> {
+        self.offset = uniform(seed);
         (self.made, self.wanted, self.took) = (0, self.size.candidates, Duration::ZERO);
         (self.sum, self.bound) = (None, f64::INFINITY);
         self.shares = self.size.shares();
@@ -251,7 +256,11 @@ impl Chains {
 
     fn begin(&mut self, candidates: &[Candidate]) -> Result<()> {
         let targets = self.take_stock(candidates)?;
-        let states: Vec<Chain> = chosen(&targets, self.size.chains as usize)
+        let starts: Vec<u32> = chosen(&targets, self.size.chains as usize, self.offset).collect();
+        // Chains that take part in one sample begin with candidates from all over the list, however many samples there will be.
+        let (of_sample, turns) = (self.size.of_sample as usize, (self.size.chains / self.size.of_sample) as usize);
+        let states: Vec<Chain> = (0..starts.len())
+            .map(|chain| starts[chain % of_sample * turns + chain / of_sample])
             .map(|candidate| Chain {
                 candidate,
                 kind: Source::of(candidates[candidate as usize]).made_by as u32,
@@ -287,9 +296,11 @@ impl Chains {
         let weighed = || candidates.iter().map(|c| (f64::from(c.brings) / likelier(c), likelier(c)));
         let bound = bound(weighed(), self.bound_in_means);
         let targets: Vec<f64> = weighed().map(|(brings, likelier)| likelier * bounded(brings, bound)).collect();
-        let sum = targets.iter().sum();
+        let sum: f64 = targets.iter().sum();
+        let mean = sum / candidates.len() as f64;
         (self.bound, self.sum) = (bound, Some(sum));
-        self.describe(sum / candidates.len() as f64)?;
+        self.squares = targets.iter().map(|target| (target - mean).powi(2)).sum();
+        self.describe(mean)?;
         Ok(targets)
     }
 
@@ -357,16 +368,29 @@ impl Chains {
         self.bound
     }
 
-    /// What the film is to be multiplied by: the mean of the target over all independent paths so far, over that by which chains scaled
-    /// their visits; 1 before any.
-    pub fn correction(&self) -> Result<f64> {
-        let Some(by_candidates) = self.sum else { return Ok(1.0) };
+    /// The mean of the target over all independent paths so far, candidates and large steps: the image's brightness, under the bound. Its
+    /// variance is that of candidates, and of the sums of chains, whose large steps are the same number in the mean. Nothing before any.
+    pub fn brightness(&self) -> Result<Option<Estimate>> {
+        let Some(by_candidates) = self.sum else { return Ok(None) };
         let candidates = self.made as f64;
-        let scaled_by = f64::from((by_candidates / candidates) as f32);
-        let states = self.states()?;
-        let sum: f64 = states.iter().map(|chain| f64::from(chain.sum) + f64::from(chain.sum_low)).sum();
-        let count: f64 = states.iter().map(|chain| f64::from(chain.large_steps)).sum();
-        Ok((by_candidates + sum) / (candidates + count) / scaled_by)
+        let steps: Vec<(f64, f64)> = self
+            .states()?
+            .iter()
+            .map(|chain| (f64::from(chain.sum) + f64::from(chain.sum_low), f64::from(chain.large_steps)))
+            .collect();
+        let sum = by_candidates + steps.iter().map(|(sum, _)| sum).sum::<f64>();
+        let count = candidates + steps.iter().map(|(_, count)| count).sum::<f64>();
+        let mean = sum / count;
+        // A ratio of two sums over what is independent (Cochran 1977, "Sampling techniques", section 2.11).
+        let squares = self.squares + steps.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum::<f64>();
+        Ok(Some(Estimate { mean, variance: squares / (count * count) }))
+    }
+
+    /// What the film is to be multiplied by: that mean over the one by which chains scaled their visits, which was of candidates alone; 1
+    /// before any.
+    pub fn correction(&self, brightness: Option<Estimate>) -> f64 {
+        let scaled_by = self.sum.map(|sum| f64::from((sum / self.made as f64) as f32));
+        brightness.zip(scaled_by).map_or(1.0, |(brightness, scaled_by)| brightness.mean / scaled_by)
     }
 }
 
@@ -385,6 +409,14 @@ impl Source {
         let [kind, made_by] = [word & 0xff, word >> 8 & 0xff].map(|byte| byte as usize);
         Self { kind, made_by, by_last: f64::from(word >> 16) / 65535.0 }
     }
+}
+
+/// How many chains there are of so many at most, how many of them take part in one sample, and how many mutations each has there:
+/// together as many as there are pixels. Chains beyond that take turns.
+fn divided(pixels: u64, most: u64) -> [u64; 3] {
+    let mutations = pixels.div_ceil(most);
+    let of_sample = pixels.div_ceil(mutations);
+    [(most / of_sample).max(1) * of_sample, of_sample, mutations]
 }
 
 /// A number among the technique's parameters; 0 where it has none of that name.
@@ -423,13 +455,13 @@ fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
     at
 }
 
-/// As many candidates as there are chains, each in proportion to the target: at equal distances along the sum of that (systematic
-/// resampling, Kitagawa 1996).
-fn chosen(targets: &[f64], chains: usize) -> impl Iterator<Item = u32> {
+/// As many candidates as there are chains, each in proportion to the target: at equal distances along the sum of that, from `offset` of
+/// one on, which is uniform in 0..1 (systematic resampling, Kitagawa 1996).
+fn chosen(targets: &[f64], chains: usize, offset: f64) -> impl Iterator<Item = u32> {
     let total: f64 = targets.iter().sum();
     let (mut index, mut passed) = (0, targets[0]);
     (0..chains).map(move |chain| {
-        let at = (chain as f64 + 0.5) / chains as f64 * total;
+        let at = (chain as f64 + offset) / chains as f64 * total;
         while passed <= at && index + 1 < targets.len() {
             index += 1;
             passed += targets[index];
@@ -438,22 +470,61 @@ fn chosen(targets: &[f64], chains: usize) -> impl Iterator<Item = u32> {
     })
 }
 
+/// A number in 0..1 of a seed (the finaliser of MurmurHash3, Appleby 2011).
+fn uniform(seed: u32) -> f64 {
+    let mut bits = u64::from(seed) + 1;
+    for factor in [0xff51_afd7_ed55_8ccd_u64, 0xc4ce_b9fe_1a85_ec53] {
+        bits ^= bits >> 33;
+        bits = bits.wrapping_mul(factor);
+    }
+    ((bits ^ bits >> 33) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Each candidate is chosen as often as its share of the sum asks for, to within one, and what brings nothing never.
+    /// Each candidate is chosen as often as its share of the sum asks for, to within one, and over many seeds exactly; what brings nothing
+    /// never.
     #[test]
     fn chains_begin_in_proportion() {
         let targets = [0.0, 3.0, 0.5, 0.0, 0.0, 6.5, 0.0];
         for chains in [1, 7, 100, 1001] {
-            let mut counts = [0; 7];
-            chosen(&targets, chains).for_each(|index| counts[index as usize] += 1);
-            for (count, target) in counts.iter().zip(targets) {
-                assert!((f64::from(*count) - target / 10.0 * chains as f64).abs() < 1.0, "{counts:?}");
-                assert!(target > 0.0 || *count == 0, "{counts:?}");
+            let mut all = [0.0; 7];
+            for seed in 0..2000 {
+                let mut counts = [0; 7];
+                chosen(&targets, chains, uniform(seed)).for_each(|index| counts[index as usize] += 1);
+                for ((count, target), all) in counts.iter().zip(targets).zip(&mut all) {
+                    assert!((f64::from(*count) - target / 10.0 * chains as f64).abs() < 1.0, "{counts:?}");
+                    assert!(target > 0.0 || *count == 0, "{counts:?}");
+                    *all += f64::from(*count) / 2000.0;
+                }
+            }
+            for (mean, target) in all.iter().zip(targets) {
+                // What is off is less than one each time: half of it is the most that it can vary by.
+                assert!(
+                    (mean - target / 10.0 * chains as f64).abs() < 4.0 * 0.5 / 2000_f64.sqrt(),
+                    "{chains}: {all:?}"
+                );
             }
         }
+    }
+
+    /// `-n` counts mutations per pixel, whatever number of chains there is room for: too many by less than one of each chain's.
+    #[test]
+    fn a_sample_is_a_mutation_of_each_pixel() {
+        for pixels in [1, 100, 1024, 65_536, 393_216] {
+            for most in [1, 7, 100, 600, 1024, 52_992, 192_960, 1 << 20] {
+                let [chains, of_sample, mutations] = divided(pixels, most);
+                assert!(
+                    chains <= most && chains % of_sample == 0 && chains + of_sample > most.min(pixels),
+                    "{chains} of {most}"
+                );
+                let done = of_sample * mutations;
+                assert!(done >= pixels && done - pixels < mutations, "{of_sample} x {mutations} for {pixels}");
+            }
+        }
+        assert_eq!(divided(393_216, 52_992), [49_152, 49_152, 8]);
     }
 
     /// The bound is so many times the mean of what it leaves, and one path of 10^9 does not raise it by more than its share.

@@ -3,15 +3,19 @@
 //! Knaus and Zwicker 2011, "Progressive photon mapping: a probabilistic approach", equation 20: its square shrinks by
 //! (k + alpha) / (k + 1) after the k-th sample. Then the mean of the samples has both less blur and less noise the more there are.
 
+use std::cell::Cell;
+
 use super::settings::Technique;
 use crate::scene::Scene;
 
 /// The radius of each sample.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct MergeRadius {
     /// Of the first one; 0 where the technique has no such thing.
     first: f64,
     alpha: f64,
+    /// A sample with its square in squares of the first one: where the next one goes on from.
+    known: Cell<(u32, f64)>,
 }
 
 impl MergeRadius {
@@ -20,10 +24,14 @@ impl MergeRadius {
     pub fn of(technique: &Technique, scene: &Scene, light_paths: u32) -> Self {
         let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok());
         let (Some(radius), Some(alpha)) = (number("radius"), number("alpha")) else {
-            return Self { first: 0.0, alpha: 1.0 };
+            return Self::new(0.0, 1.0);
         };
         let share = if radius > 0.0 { radius } else { 1.0 / f64::from(light_paths.max(1)).sqrt() };
-        Self { first: share * f64::from(scene.core().1), alpha }
+        Self::new(share * f64::from(scene.core().1), alpha)
+    }
+
+    fn new(first: f64, alpha: f64) -> Self {
+        Self { first, alpha, known: Cell::new((0, 1.0)) }
     }
 
     /// Of the sample with this index: of that alone, so that it does not matter how a rendering is cut into frames.
@@ -31,7 +39,14 @@ impl MergeRadius {
         if self.first == 0.0 {
             return 0.0; // most techniques: nothing to multiply up, frame after frame
         }
-        let factor: f64 = (1..=sample).map(f64::from).map(|k| (k + self.alpha) / (k + 1.0)).product();
+        let (mut from, mut factor) = self.known.get();
+        if from > sample {
+            (from, factor) = (0, 1.0);
+        }
+        for k in (from + 1..=sample).map(f64::from) {
+            factor *= (k + self.alpha) / (k + 1.0);
+        }
+        self.known.set((sample, factor));
         (self.first * factor.sqrt()) as f32
     }
 }
@@ -43,16 +58,18 @@ mod tests {
     /// r^2 falls like samples^(alpha - 1): Gamma(n + alpha) / Gamma(n + 1) over Gamma(1 + alpha).
     #[test]
     fn it_shrinks_by_the_law() {
-        let radius = MergeRadius { first: 2.0, alpha: 0.5 };
+        let radius = MergeRadius::new(2.0, 0.5);
         assert_eq!(radius.at(0), 2.0);
         assert!((f64::from(radius.at(1)).powi(2) - 4.0 * 0.75).abs() < 1e-6);
         let gamma_of_three_halves = 0.886_226_925_452_758;
         let squared = (f64::from(radius.at(9999)) / 2.0).powi(2);
         assert!((squared * 100.0 * gamma_of_three_halves - 1.0).abs() < 1e-4, "{squared}");
+        // Whatever was asked for before.
+        assert_eq!(radius.at(7), MergeRadius::new(2.0, 0.5).at(7));
     }
 
     #[test]
     fn with_alpha_1_it_stays() {
-        assert_eq!(MergeRadius { first: 0.5, alpha: 1.0 }.at(1000), 0.5);
+        assert_eq!(MergeRadius::new(0.5, 1.0).at(1000), 0.5);
     }
 }

@@ -200,7 +200,7 @@ impl Renderer {
         self.film.clear()?;
         self.layers.clear()?;
         self.scratch.splats.clear()?;
-        self.chains.as_mut().map_or(Ok(()), Chains::restart)?;
+        self.chains.as_mut().map_or(Ok(()), |chains| chains.restart(seed))?;
         if let Some(radiosity) = &mut self.radiosity {
             radiosity.restart()?;
         }
@@ -332,7 +332,10 @@ impl Renderer {
                 film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
             }
         }
-        film.scale(self.chains.as_ref().map_or(Ok(1.0), Chains::correction)?);
+        if let Some(chains) = &self.chains {
+            film.brightness = chains.brightness()?;
+            film.scale(chains.correction(film.brightness));
+        }
         film.nonfinite = self.nonfinite;
         film.bad_samples.clone_from(&self.bad_samples);
         Ok(film)

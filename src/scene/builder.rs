@@ -371,7 +371,8 @@ impl SceneBuilder {
             _ => None,
         };
         if self.environment.is_some() && environment.is_none() {
-            background = None; // a black image
+            background = None;
+            self.warnings.push(String::from("the image of the environment is black: it sheds no light"));
         }
         let mut brightness = HashMap::new();
         let mut factor = |light: &Light| self.light_factor(light, &flat.surfaces, &mut brightness);
@@ -394,7 +395,7 @@ impl SceneBuilder {
         if self.mip_maps {
             mip_maps::add(&mut self.images, &mut textures, &filed.textures, &filed.layereds);
         }
-        Ok(Scene {
+        let mut scene = Scene {
             source: self.source,
             cameras: self.cameras,
             film: self.film,
@@ -429,7 +430,9 @@ impl SceneBuilder {
             origin,
             bounds,
             warnings: self.warnings.into_iter().map(plain).collect(),
-        })
+        };
+        scene.immerse_lights();
+        Ok(scene)
     }
 
     /// The environment with the table that it is sampled by; nothing where it is black.

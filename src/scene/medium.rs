@@ -1,37 +1,81 @@
-//! What fills the space around a point.
+//! What fills the space around points: the camera, and the lights.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-use super::Scene;
-use crate::layout::{MATERIAL_HAS_ABSORPTION, NONE, Primitive, SPHERE_BIT, SURFACE_MASK};
+use super::{Instance, Scene};
+use crate::layout::{
+    LIGHT_DIRECTIONAL, LIGHT_TRIANGLE, Light, MATERIAL_HAS_ABSORPTION, NONE, Primitive, SPHERE_BIT, SURFACE_MASK,
+};
 
 /// Direction in which surfaces are looked for: along no axis, so that few edges lie on the way.
 const LOOK: DVec3 = DVec3::new(0.534_522_483_824_848_8, 0.267_261_241_912_424_4, 0.801_783_725_737_273_2);
 
+/// How far before an area light its medium is looked for, as a share of its size.
+const OFF: f64 = 1e-4;
+
 impl Scene {
     /// Absorption (1/m) of the medium around a point, which is relative to [`Scene::origin`]: that of the nearest surface with a volume,
-    /// looking one way, if its back is seen. Looks at every primitive of a scene that has such surfaces, at none of others.
+    /// looking one way, if its back is seen.
     pub fn absorption_at(&self, point: DVec3) -> [f32; 3] {
+        around(&self.volumes(), point)
+    }
+
+    /// Fills in the media around the lights: an area light's is the one before its front.
+    pub(super) fn immerse_lights(&mut self) {
+        let volumes = self.volumes();
+        if volumes.iter().all(|volume| volume.surface.is_empty()) {
+            return;
+        }
+        let media: Vec<_> = self.lights.iter().map(|light| around(&volumes, before(light))).collect();
+        self.lights.iter_mut().zip(media).for_each(|(light, absorption)| light.absorption = absorption);
+    }
+
+    /// The surfaces with volumes, by instance. Looks at every primitive of a scene that has such surfaces, at none of others.
+    fn volumes(&self) -> Vec<Volume> {
         if !self.materials.iter().any(|material| material.flags & MATERIAL_HAS_ABSORPTION != 0) {
-            return [0.0; 3];
+            return Vec::new();
         }
         let absorbs = |primitive: &Primitive| {
             let front = self.surfaces[(primitive.surface & SURFACE_MASK) as usize].front;
             let material = (front != NONE).then(|| &self.materials[front as usize])?;
-            (material.flags & MATERIAL_HAS_ABSORPTION != 0).then(|| self.layereds[material.detail as usize].absorption)
+            let absorbs = material.flags & MATERIAL_HAS_ABSORPTION != 0;
+            absorbs.then(|| (*primitive, self.layereds[material.detail as usize].absorption))
         };
-        let mut nearest = (f64::INFINITY, [0.0; 3]);
-        for instance in &self.instances {
-            let to_object = instance.to_world.inverse();
-            let (origin, direction) = (to_object.transform_point3(point), to_object.transform_vector3(LOOK));
-            for primitive in &self.primitives[self.groups[instance.group].primitives()] {
-                let Some(absorption) = absorbs(primitive) else { continue };
-                if let Some((t, is_back)) = crossing(primitive, origin, direction).filter(|(t, _)| *t < nearest.0) {
-                    nearest = (t, if is_back { absorption } else { [0.0; 3] });
-                }
+        let of_instance = |instance: &Instance| Volume {
+            to_object: instance.to_world.inverse(),
+            surface: self.primitives[self.groups[instance.group].primitives()].iter().filter_map(absorbs).collect(),
+        };
+        self.instances.iter().map(of_instance).collect()
+    }
+}
+
+/// The surfaces of an instance that have a volume behind them, with its absorption.
+struct Volume {
+    to_object: DAffine3,
+    surface: Vec<(Primitive, [f32; 3])>,
+}
+
+/// Absorption around a point.
+fn around(volumes: &[Volume], point: DVec3) -> [f32; 3] {
+    let mut nearest = (f64::INFINITY, [0.0; 3]);
+    for volume in volumes {
+        let (origin, direction) = (volume.to_object.transform_point3(point), volume.to_object.transform_vector3(LOOK));
+        for (primitive, absorption) in &volume.surface {
+            if let Some((t, is_back)) = crossing(primitive, origin, direction).filter(|(t, _)| *t < nearest.0) {
+                nearest = (t, if is_back { *absorption } else { [0.0; 3] });
             }
         }
-        nearest.1
+    }
+    nearest.1
+}
+
+/// A point in the medium that a light shines in. What is infinitely far is nowhere, and has none around it.
+fn before(light: &Light) -> DVec3 {
+    let [a, b, c] = [light.position, light.v1, light.v2].map(|v| glam::Vec3::from(v).as_dvec3());
+    match light.kind {
+        LIGHT_TRIANGLE => (a + b + c) / 3.0 + OFF * (b - a).cross(c - a) / (b - a).length().max((c - a).length()),
+        LIGHT_DIRECTIONAL => DVec3::INFINITY,
+        _ => a,
     }
 }
 

@@ -172,7 +172,9 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let film = run.render(&scene, &Settings { seed: 1000, ..settings }, run.pick(8192, 2048))?;
     let truth = tile_average(&film, [0, 0, 32, 32])[1];
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
-        for (chains, seeds) in run.pick(vec![(100, 20), (10_000, 20), (1_000_000, 12)], vec![(1000, 16)]) {
+        // They divide the 1024 mutations of a sample, or are divided by them.
+        let counts = vec![(103, 32), (1024, 32), (10_240, 32), (102_400, 32), (1_048_576, 32)];
+        for (chains, seeds) in run.pick(counts, vec![(1024, 16)]) {
             let technique = format!("mlt:form={form}:chains={chains}:candidates=65536");
             let settings = limited(run.settings(&scene, &technique)?);
             let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;

@@ -42,8 +42,17 @@ pub(super) struct Report {
     mean: [f64; 3],
     estimated_relmse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    brightness: Option<Brightness>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     patches: Option<PatchReport>,
     peak_device_bytes: u64,
+}
+
+/// What the image of Markov chains is scaled by.
+#[derive(Serialize)]
+struct Brightness {
+    mean: f64,
+    standard_error: f64,
 }
 
 #[derive(Serialize)]
@@ -101,6 +110,9 @@ impl Report {
             nonfinite_at: film.bad_samples.clone(),
             mean: film.average(),
             estimated_relmse: film.estimated_relmse(),
+            brightness: film
+                .brightness
+                .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
             patches: renderer.patches()?,
             peak_device_bytes: gpu.peak_bytes(),
         })
@@ -145,7 +157,7 @@ pub(super) fn picture(film: &Film, report: &Report, aovs: &[String]) -> Picture 
     Picture { image: film.mean(), layers, header: report.header() }
 }
 
-pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], interrupted: bool) {
+pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: bool) {
     if interrupted {
         print("interrupted: what was rendered is kept");
     }
@@ -163,8 +175,14 @@ pub(super) fn print_summary(report: &Report, film: &Film, outputs: &[PathBuf], i
     ));
     print(&format!("speed      {:.3} Msamples/s, {:.2} Mrays/s", report.samples_per_s / 1e6, report.mrays_per_s));
     let [r, g, b] = report.mean;
-    let error = film.estimated_relmse().map_or(String::from("unknown from one sample"), |e| format!("{:.3}", e.sqrt()));
-    print(&format!("mean       {r:.6} {g:.6} {b:.6}, relative standard error of a pixel {error}"));
+    let error = match (&report.brightness, report.estimated_relmse) {
+        (Some(found), _) => {
+            format!("scaled by a brightness known to {:.2} %", 100.0 * found.standard_error / found.mean)
+        }
+        (None, Some(error)) => format!("relative standard error of a pixel {:.3}", error.sqrt()),
+        (None, None) => String::from("relative standard error of a pixel unknown from one sample"),
+    };
+    print(&format!("mean       {r:.6} {g:.6} {b:.6}, {error}"));
     if let Some(patches) = &report.patches {
         print_patches(patches);
     }
