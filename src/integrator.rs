@@ -163,10 +163,12 @@ pub struct Integrator {
     pub kept: Kept,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
-    /// The light that it is a good choice for; README.md says by which measurement.
+    /// The light that it is a good choice for.
     pub good_at: &'static str,
     /// The light that another technique is better for, and what it costs.
     pub bad_at: &'static str,
+    /// A figure for both; README.md says from which measurements these are. Ratios are efficiencies, 1 / (relMSE x seconds).
+    pub measured: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
 }
@@ -217,8 +219,8 @@ const RADIUS: Parameter = Parameter {
 const ALPHA: Parameter = Parameter {
     name: "alpha",
     about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
-    values: Values::Number(0.01, 0.99, 2.0 / 3.0),
-    biased: None,
+    values: Values::Number(0.01, 1.0, 2.0 / 3.0),
+    biased: Some(("1", "with alpha=1 its radius stays as it is")),
     misses: &[],
 };
 
@@ -237,6 +239,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "soft shadows, and to see each way of sampling them by itself",
         bad_at: "rooms: nothing in it has bounced twice",
+        measured: "47 % of the light that surfaces show the camera in `cornell`, 30 % in `door_ajar`",
         parameters: &[Parameter {
             name: "sampling",
             about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
@@ -258,6 +261,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "mirrors and clear glass under direct light: one sample follows all branches",
         bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
+        measured: "0.74 of the relMSE of one branch by chance on the glass of `cornell_spheres`, at equal rays",
         parameters: &[
             Parameter {
                 name: "branches",
@@ -296,6 +300,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::DeltaLights],
         good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
         bad_at: "small lamps, which chance seldom finds",
+        measured: "1/41 of `path` in `cornell`, 1/65 on `veach_mis`",
         parameters: &[
             Parameter {
                 name: "form",
@@ -327,6 +332,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::DeltaCaustics],
         good_at: "most scenes: wherever the camera's paths can aim at the light",
         bad_at: "caustics, and lamps hidden in their fittings",
+        measured: "41 times `path-implicit` in `cornell`; 1/107 of `photon` in `torus_in_glass`, 1/83 of `bdpt` in \
+                   `bidirectional_room`",
         parameters: &[],
     },
     Integrator {
@@ -342,10 +349,11 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::DeltaCaustics],
         good_at: "reading the rendering equation in the code",
         bad_at: "speed: what its calls wait for is kept in memory",
+        measured: "0.55 of the samples per second of `path` in `cornell` on an H200",
         parameters: &[Parameter {
             name: "returns",
             about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \
-                    is path to the last bit",
+                    is path, on lavapipe to the last bit",
             values: Values::Choice(&["radiance", "nothing"]),
             biased: None,
             misses: &[],
@@ -364,6 +372,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::Unshowable],
         good_at: "caustics on matte surfaces, which the camera sees directly",
         bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
+        measured: "65 times `path` in `caustic_small_light`, 0.64 in `cornell`; 0.82 of the light of the former, 0.54 in \
+                   `reflected_caustic`: the rest stays black",
         parameters: &[],
     },
     Integrator {
@@ -379,6 +389,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::HiddenDeltaCaustics],
         good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
         bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
+        measured: "83 times `path` in `bidirectional_room`, 16 in `caustic_small_light`; 0.46 in `cornell`, 0.83 in \
+                   `torus_in_glass`",
         parameters: &[WEIGHTS],
     },
     Integrator {
@@ -402,12 +414,13 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
         bad_at: "light that is easy to aim at: its samples take the longest",
+        measured: "65 times `path` in `ring_caustic`, 55 in `reflected_caustic`, 2.4 in `small_vcm`; 0.21 in `cornell`",
         parameters: &[
             WEIGHTS,
             Parameter {
                 name: "form",
                 about: "which strategies take part: all; bpm, merges anywhere alone; ppm, a merge at the camera's first vertex that is no \
-                        mirror or smooth glass; bpt, all but merges",
+                        mirror or smooth glass; bpt, all but merges; paths of more than 16 segments come from the camera alone",
                 values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
                 biased: None,
                 misses: &[("bpt", Missing::HiddenDeltaCaustics)],
@@ -429,6 +442,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "caustics, also as mirrors and glass show them",
         bad_at: "glossy surfaces, and light that is easy to aim at",
+        measured: "107 times `path` in `torus_in_glass`, 101 in `reflected_caustic`; 0.085 in `cornell`, 0.30 in `small_vcm`",
         parameters: &[
             Parameter {
                 name: "direct",
@@ -459,13 +473,16 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
         bad_at: "light that is easy to aim at, where visits to the same paths say little that is new; light that only chance finds",
+        measured: "`multiplexed` 21 times `path` in `bidirectional_room`, where `bdpt` has 80 times, and 0.028 in `cornell`; \
+                   `paths` over `bdpt` 0.63 (0.16 to 2.4) in `door_ajar`, 1.2 (0.2 to 7.0) in `torus_in_glass`, 0.25 (0.04 to \
+                   1.6) in `ring_caustic`: their means are right, and fireflies decide",
         parameters: &[
             Parameter {
                 name: "form",
                 about: "what is mutated: primary, the random numbers of path; multiplexed, those of one strategy of bdpt at a time; paths, \
                         the vertices of paths of up to 32 segments",
                 values: Values::Choice(&["primary", "multiplexed", "paths"]),
-                biased: None,
+                biased: Some(("paths", "its paths have 32 segments at most")),
                 misses: &[
                     ("primary", Missing::DeltaCaustics),
                     ("multiplexed", Missing::HiddenDeltaCaustics),
@@ -526,6 +543,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "rooms that are diffuse: all of their light from any side, without noise once it is solved",
         bad_at: "sharp shadows, which patches blur, and all that is not diffuse, which it treats as if it were",
+        measured: "2.0 times `path` in `cornell` within its first 1.7 s, with an error that stays: relMSE 1.3e-4",
         parameters: &[
             Parameter {
                 name: "solver",

@@ -203,7 +203,7 @@ fn time_limits_are_kept() {
 #[test]
 fn no_time_is_too_short() {
     let folder = tempfile::tempdir().unwrap();
-    for technique in ["path", "light", "mlt"] {
+    for technique in ["path", "light", "mlt", "radiosity:patches=8"] {
         let args = ["-t", "0.001", "--size", "64x64", "-o", "a.png", "--json", "-", "-i", technique];
         let json = works(folder.path(), &[&["render", &scene("cornell.xml")][..], &args].concat());
         let json: serde_json::Value = serde_json::from_str(&json).unwrap();
@@ -212,12 +212,19 @@ fn no_time_is_too_short() {
     }
 }
 
-/// Ctrl-C keeps what was rendered and says so.
+/// Ctrl-C keeps what was rendered and says so, whatever a technique keeps beside the film.
 #[test]
 fn an_interrupt_keeps_the_image() {
+    for technique in ["path", "light", "photon", "mlt:candidates=4096", "radiosity:patches=4"] {
+        interrupt(technique);
+    }
+}
+
+fn interrupt(technique: &str) {
     let folder = tempfile::tempdir().unwrap();
     let cornell = scene("cornell.xml");
-    let mut child = program(folder.path(), &["render", &cornell, "-n", "1000000", "--size", "64x64", "-o", "a.exr"])
+    let args = ["render", &cornell, "-i", technique, "-n", "1000000", "--size", "64x64", "-o", "a.exr"];
+    let mut child = program(folder.path(), &args)
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()
@@ -226,18 +233,19 @@ fn an_interrupt_keeps_the_image() {
     let mut progress = std::io::BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     std::io::BufRead::read_line(&mut progress, &mut line).unwrap();
-    assert!(line.contains("spp"), "{line}");
+    assert!(line.contains("spp"), "{technique}: {line}");
     let interrupted = Instant::now();
     // The shell's own `kill`: the program of that name is not on every machine.
     let signal = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &signal]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert!(output.status.success());
-    assert!(text(&output.stdout).starts_with("interrupted: what was rendered is kept"), "{}", text(&output.stdout));
-    assert!(interrupted.elapsed() < Duration::from_secs(3), "{:?}", interrupted.elapsed());
+    let said = text(&output.stdout);
+    assert!(said.starts_with("interrupted: what was rendered is kept"), "{technique}: {said}");
+    assert!(interrupted.elapsed() < Duration::from_secs(3), "{technique}: {:?}", interrupted.elapsed());
     let image = read_image(&folder.path().join("a.exr")).unwrap();
     let [r, ..] = image.average();
-    assert!((0.2..0.3).contains(&r), "the picture should be nearly done: {r}");
+    assert!((0.2..0.3).contains(&r), "{technique}: the picture should be nearly done: {r}");
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //
 // returns=radiance is that function. What it gathered is weighted on the way back, each call by its own weight.
 // returns=nothing hands down the product of all weights instead, so that each call can add to the image by itself. Then nothing is left to do
-// once the inner call has returned, and the stack is not needed either: this is `path`, to the last bit.
+// once the inner call has returned, and the stack is not needed either: this is `path`, but for how compilers round (on lavapipe to the last bit).
 #version 460
 #include "lib/prelude.glsl"
 #include "trace/backend.glsl"

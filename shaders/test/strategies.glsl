@@ -1,5 +1,5 @@
 // The weights of all strategies for paths that are given by their densities, put together from lib/bidirectional.glsl as
-// integrators/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is tests/strategies.rs's.
+// integrators/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is src/verify/weights.rs's.
 #version 460
 #include "lib/prelude.glsl"
 #include "lib/vcm_forms.glsl"

@@ -45,6 +45,7 @@ fn about(row: &Integrator) -> Vec<(&'static str, String)> {
         lines.push(("misses", all_of(row.misses.iter().map(|missing| missing.what()))));
     }
     lines.extend([("good at", row.good_at.to_owned()), ("bad at", row.bad_at.to_owned())]);
+    lines.push(("measured", row.measured.replace('`', "")));
     lines
 }
 

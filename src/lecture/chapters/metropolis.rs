@@ -52,7 +52,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     Ok(())
 }
 
-/// A room by all forms, each beside `bdpt` with the seconds that the first one took.
+/// A room by all forms, beside `bdpt` with the seconds that the slowest of them took.
 fn show(lab: &mut Lab, sheet: &mut Sheet, room: &Room) -> Result<()> {
     sheet.heading(room.title());
     let reference = room.reference(lab)?;
