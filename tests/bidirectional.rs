@@ -80,11 +80,6 @@ fn every_material() {
 /// the surface to. `path-implicit`, which has none, says what is right.
 #[test]
 fn lights_within_what_absorbs() {
-    let within = |b: &mut SceneBuilder, lamp| b.sphere(0, "lamp", DVec3::new(0.0, 1.0, 0.0), 0.3, lamp);
-    let beside = |b: &mut SceneBuilder, lamp| {
-        let corner = DVec3::new(-1.0, 3.0, -1.0);
-        b.parallelogram(corner, DVec3::X * 2.0, DVec3::Z * 2.0, lamp);
-    };
     let outside = DVec3::new(0.0, 1.6, 6.0);
     for (what, inner, outer, eye) in [
         ("a lamp within", true, false, outside),
@@ -100,10 +95,10 @@ fn lights_within_what_absorbs() {
         builder.sphere(0, "glass", DVec3::new(0.0, 1.0, 0.0), 0.9, glass);
         let lamp = builder.surface(SurfaceDescription { emission: [9.0, 8.0, 7.0], ..SurfaceDescription::default() });
         if inner {
-            within(&mut builder, lamp);
+            builder.sphere(0, "lamp", DVec3::new(0.0, 1.0, 0.0), 0.3, lamp);
         }
         if outer {
-            beside(&mut builder, lamp);
+            builder.parallelogram(DVec3::new(-1.0, 3.0, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0, lamp);
         }
         builder.cameras.push(Camera::look_at(eye, DVec3::new(0.0, 0.6, 0.0), DVec3::Y, 40.0).unwrap());
         (builder.film.width, builder.film.height) = (SIZE, SIZE);
