@@ -17,8 +17,8 @@ from pathlib import Path
 F32, U16 = 5126, 5123
 
 
-def png(path, width, height, channels, texel):
-    """An 8-bit PNG; `texel(x, y)` gives each texel's channels in 0 to 1."""
+def png(width, height, channels, texel, level=9):
+    """The bytes of an 8-bit PNG; `texel(x, y)` gives each texel's channels in 0 to 1."""
     rows = bytearray()
     for y in range(height):
         rows.append(0)
@@ -28,9 +28,9 @@ def png(path, width, height, channels, texel):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    header = struct.pack(">IIBBBBB", width, height, 8, {3: 2, 4: 6}[channels], 0, 0, 0)
-    data = zlib.compress(bytes(rows), 9)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b""))
+    header = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    data = zlib.compress(bytes(rows), level)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 
 def hdr(path, width, height, texel):
@@ -107,15 +107,15 @@ def tiles(folder, size=256):
         glaze = tile(u, v)[2]
         return [1, 0.9 * (1 - glaze) + (0.12 + 0.25 * noise.at(v, u)) * glaze, 0]
 
-    png(folder / "tiles.png", size, size, 3, colour)
-    png(folder / "tiles_normal.png", size, size, 3, normal)
-    png(folder / "tiles_shine.png", size, size, 3, shine)
+    (folder / "tiles.png").write_bytes(png(size, size, 3, colour))
+    (folder / "tiles_normal.png").write_bytes(png(size, size, 3, normal))
+    (folder / "tiles_shine.png").write_bytes(png(size, size, 3, shine))
 
 
 def plaster(folder, size=128):
     noise = Noise(5, 3)
-    png(folder / "plaster.png", size, size, 3,
-        lambda x, y: [(0.80 + 0.12 * noise.at(x / size, y / size)) * value for value in (1.0, 0.95, 0.86)])
+    (folder / "plaster.png").write_bytes(png(
+        size, size, 3, lambda x, y: [(0.80 + 0.12 * noise.at(x / size, y / size)) * value for value in (1.0, 0.95, 0.86)]))
 
 
 def leaves(folder, size=256):
@@ -146,7 +146,7 @@ def leaves(folder, size=256):
             return [0.22, 0.38, 0.10, 0]
         return [0.30, 0.20, 0.10, 1] if best == 0 else [0.25 * best + 0.05, 0.52 * best, 0.12 * best, 1]
 
-    png(folder / "leaves.png", size, size, 4, texel)
+    (folder / "leaves.png").write_bytes(png(size, size, 4, texel))
 
 
 def sky(folder, width=128, height=64):
@@ -349,4 +349,5 @@ def main():
     print(f"{folder}: {size} bytes")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Makes the meshes of the scenes in scenes/: lathed vessels, swept handles and spouts, boxes, a ring, a torus.
+"""Makes the meshes of the scenes in scenes/: lathed vessels, swept handles and spouts, boxes, a ring, a torus; and an image of heights.
 
-    benches/make_scenes.py                  write every mesh
+    benches/make_scenes.py                  write every file
     benches/make_scenes.py --check          write nothing; exit with status 1 where a file differs from what would be written
 
 Only the standard library; the same files every time. Binary little-endian PLY with vertex normals. Each mesh is checked
@@ -12,6 +12,8 @@ import math
 import struct
 import sys
 from pathlib import Path
+
+from make_gltf_room import png
 
 SCENES = Path(__file__).resolve().parent.parent / "scenes"
 
@@ -425,6 +427,24 @@ def stalls():
     return together(*parts)
 
 
+def cobbles():
+    """Heights of rounded stones in rows, which go on at the edges: a PNG that is not compressed, the same bytes everywhere."""
+    side, rows = 192, 6
+    stones = [((column + 0.5 * (row % 2) + 0.24 * math.sin(5.3 * row + 2.9 * column)) % rows,
+               row + 0.24 * math.sin(3.7 * column - 1.9 * row)) for row in range(rows) for column in range(rows)]
+
+    def texel(x, y):
+        def height(stone):
+            away = [abs(place * rows / side - centre) for place, centre in zip((x, y), stone)]
+            distance = math.hypot(*(min(way % rows, rows - way % rows) for way in away))
+            return max(0.0, 1.0 - (distance / 0.7) ** 2)
+        return [max(map(height, stones))]
+
+    return png(side, side, 1, texel, level=0)
+
+
+IMAGES = {"bumps/cobbles.png": cobbles}
+
 MESHES = {
     "bidirectional_room/egg.ply": (lambda: egg(0.3), 35),
     "bidirectional_room/floor_lamp.ply": (floor_lamp, 40),
@@ -445,6 +465,7 @@ MESHES = {
     "many_lights/lanterns_red.ply": (lambda: lanterns(1), 35),
     "many_lights/lanterns_cool.ply": (lambda: lanterns(2), 35),
     "many_lights/stalls.ply": (stalls, 30),
+    "bumps/ball.ply": (lambda: lathe(arc((0, 0), 0.45, -90, 90, 6), 10), 180),
     "torus_in_glass/torus.ply": (lambda: torus(0.6, 0.22, 128, 56), 35),
 }
 
@@ -454,17 +475,23 @@ def main():
     parser.add_argument("--check", action="store_true", help="write nothing; exit with status 1 where a file differs")
     args = parser.parse_args()
     differ = []
-    for name, (make, crease) in MESHES.items():
-        mesh = make()
-        check(name, mesh)
-        data, path = encode(mesh, crease), SCENES / name
+
+    def put(name, data, what):
+        path = SCENES / name
         if args.check:
             if not path.exists() or path.read_bytes() != data:
                 differ.append(name)
-            continue
+            return
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(data)
-        print(f"{name}: {len(mesh[1])} triangles, {len(data) / 1000:.0f} kB")
+        print(f"{name}: {what}, {len(data) / 1000:.0f} kB")
+
+    for name, (make, crease) in MESHES.items():
+        mesh = make()
+        check(name, mesh)
+        put(name, encode(mesh, crease), f"{len(mesh[1])} triangles")
+    for name, make in IMAGES.items():
+        put(name, make(), "an image")
     if differ:
         sys.exit("differ: " + ", ".join(differ))
 

@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{assert_same_mean, backends, canon, render, settings, with_gpu};
+use common::{assert_same_mean, average, backends, canon, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -37,7 +37,9 @@ fn techniques_agree(name: &str, defines: &[(&str, &str)], spp: u32) {
                 .map(|row| row.name.to_owned())
                 .filter(|name| Technique::parse(name).unwrap().misses(&scene).is_none())
                 .collect();
-            if solves == Solves::Direct {
+            if solves == Solves::Everything {
+                variants.push(String::from("vcm:form=bpt"));
+            } else {
                 variants.extend(["direct:sampling=emitter", "direct:sampling=bsdf"].map(str::to_owned));
             }
             for (seed, technique) in (0..).zip(&variants) {
@@ -62,23 +64,107 @@ fn techniques_agree_on_cornell_spheres() {
     techniques_agree("cornell_spheres.xml", &[("size", "96")], 192);
 }
 
+/// Sampling lights alone hits the lobe of the smoothest plates so seldom, and sampling BSDFs alone the smallest lights, that no
+/// affordable number of samples is near a normal distribution: plates are rougher here and lights larger.
+const ROUGHER: [(&str, &str); 10] = [
+    ("width", "96"),
+    ("height", "64"),
+    ("alpha1", "0.05"),
+    ("alpha2", "0.07"),
+    ("radius1", "0.4"),
+    ("radiance1", "7.2, 2.6, 1.6"),
+    ("radius2", "0.4"),
+    ("radiance2", "7, 5.8, 2.1"),
+    ("radius_lamp", "3"),
+    ("radiance_lamp", "2.4"),
+];
+
 #[test]
 fn techniques_agree_on_veach_mis() {
-    // Sampling lights alone hits the lobe of the smoothest plates so seldom, and sampling BSDFs alone the smallest lights,
-    // that no affordable number of samples is near a normal distribution: plates are rougher here and lights larger.
-    let rougher = [
-        ("width", "96"),
-        ("height", "64"),
-        ("alpha1", "0.05"),
-        ("alpha2", "0.07"),
-        ("radius1", "0.4"),
-        ("radiance1", "7.2, 2.6, 1.6"),
-        ("radius2", "0.4"),
-        ("radiance2", "7, 5.8, 2.1"),
-        ("radius_lamp", "3"),
-        ("radiance_lamp", "2.4"),
-    ];
-    techniques_agree("veach_mis.xml", &rougher, 256);
+    techniques_agree("veach_mis.xml", &ROUGHER, 256);
+}
+
+/// Scenes whose light is hard to find, with fewer pixels: techniques with paths from the lights on every backend against `path`, with so many
+/// samples. Those that merge are held to the mean, and each backend to the first one.
+fn paths_from_the_lights_agree(name: &str, defines: &[(&str, &str)], spp: u32, path_spp: u32) {
+    const SIDE: u32 = 48;
+    let scene = canon(name, defines);
+    with_gpu(|gpu| {
+        let film = |technique: &str, backend: Backend, seed: u32, spp: u32| {
+            let settings = Settings { width: SIDE, height: SIDE, seed, ..settings(&scene, technique, backend) };
+            render(gpu, &scene, &settings, spp)
+        };
+        let truth = film("path", Backend::Bvh, 1000, path_spp);
+        for (seed, technique) in (0..).zip(["bdpt", "vcm:form=bpt", "light", "vcm", "photon"]) {
+            let row = Technique::parse(technique).unwrap();
+            if row.misses(&scene).is_some() {
+                continue;
+            }
+            let mut first: Option<Film> = None;
+            for backend in backends(gpu) {
+                let found = film(technique, backend, seed, if technique == "photon" { 4 * spp } else { spp });
+                let what = format!("{name}: {technique} on {}", backend.name());
+                if row.row.bias == Bias::Unbiased || technique == "vcm:form=bpt" {
+                    assert_same_mean(&what, &found, &truth, TILE);
+                } else {
+                    assert_near(&what, &found, &truth, 0.02);
+                }
+                // The same paths, but for those that rounding sends another way.
+                let Some(first) = &first else {
+                    first = Some(found);
+                    continue;
+                };
+                let off = nine_tenths_off(&found, first);
+                println!("{what}: nine tenths of the pixels are within {:.4} % of the other backend's", 100.0 * off);
+                assert!(off < 0.01, "{what}: off the other backend by {off}");
+            }
+        }
+    });
+}
+
+/// By which share nine tenths of the pixels of two films differ at most, in the second channel.
+fn nine_tenths_off(a: &Film, b: &Film) -> f64 {
+    let (a, b) = (a.mean().pixels, b.mean().pixels);
+    let off = |(a, b): (&[f32; 3], &[f32; 3])| f64::from((a[1] - b[1]).abs()) / f64::from(b[1].max(1e-6));
+    let mut all: Vec<f64> = a.iter().zip(&b).map(off).collect();
+    all.sort_by(f64::total_cmp);
+    all[all.len() * 9 / 10]
+}
+
+/// Holds the mean of what is blurred within this share of another technique's and three standard deviations, which must not be more than six per
+/// cent.
+fn assert_near(what: &str, found: &Film, truth: &Film, share: f64) {
+    for (found, truth) in average(found).into_iter().zip(average(truth)) {
+        let (off, sigma) = (found.mean / truth.mean - 1.0, (found.variance + truth.variance).sqrt() / truth.mean);
+        println!("{what}: off by {:+.3} %, sigma {:.3} %", 100.0 * off, 100.0 * sigma);
+        assert!(sigma < 0.02, "{what}: sigma {sigma} is too coarse: take more samples");
+        assert!(off.abs() < share + 3.0 * sigma, "{what}: off by {off}, sigma {sigma}");
+    }
+}
+
+#[test]
+fn paths_from_the_lights_agree_on_bidirectional_room() {
+    paths_from_the_lights_agree("bidirectional_room.xml", &[], 24, 2048);
+}
+
+#[test]
+fn paths_from_the_lights_agree_on_door_ajar() {
+    paths_from_the_lights_agree("door_ajar.xml", &[], 96, 1024);
+}
+
+#[test]
+fn paths_from_the_lights_agree_on_ring_caustic() {
+    paths_from_the_lights_agree("ring_caustic.xml", &[], 256, 4096);
+}
+
+#[test]
+fn paths_from_the_lights_agree_on_veach_mis() {
+    paths_from_the_lights_agree("veach_mis.xml", &ROUGHER, 64, 1024);
+}
+
+#[test]
+fn paths_from_the_lights_agree_on_bumps() {
+    paths_from_the_lights_agree("bumps.xml", &[], 64, 1024);
 }
 
 /// Samplers give the same image in the mean. Scrambled Sobol pairs have less error than the variance of the samples says: the test of

@@ -1,4 +1,4 @@
-//! Every technique that can solve a case, on every backend, against what is known in closed form: rows of `lumbre verify` in their full
+//! Every technique that can solve a case, on every backend, against what is known in closed form: rows of `lumbre verify` in their long
 //! form, and what is none of them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -18,7 +18,7 @@ fn furnaces() {
 
 #[test]
 fn formulas() {
-    verify(&["emitters", "cube-point-light", "form-factors", "slab", "inside-glass"]);
+    verify(&["emitters", "cube-point-light", "form-factors", "half-lit-sphere", "slab", "inside-glass"]);
 }
 
 #[test]

@@ -72,7 +72,8 @@ fn predicted() -> Vec<f64> {
 }
 
 /// Where the cusp lies on the axis, from the bright curve that runs into it: in each column, how far the brightest pixel is off the
-/// nephroid x = sin^3 t, z = cos t (3/2 - cos^2 t), whose own cusp is at 1/2.
+/// nephroid x = sin^3 t, z = cos t (3/2 - cos^2 t), whose own cusp is at 1/2. The brightest pixel of the axis itself tells less, however small
+/// pixels are: where the curve is a pixel off the axis it has come on by 3/2 of the pixel's size to the power of 2/3, which is more.
 fn cusp(at: &dyn Fn(u32, u32) -> f64) -> f64 {
     let place = |index: u32| SIDE / 2.0 - (f64::from(index) + 0.5) * SIDE / f64::from(SIZE);
     let off = |column: u32| {

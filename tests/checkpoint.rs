@@ -16,6 +16,7 @@ use lumbre::integrator::INTEGRATORS;
 use lumbre::render::{Renderer, Settings, State};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{LoadOptions, Scene};
+use lumbre::strategies::Strategies;
 
 const SPP: u32 = 3;
 
@@ -91,7 +92,8 @@ fn layers_forms_and_seeds_go_on_as_well() {
     let scene = canon("cornell.xml", &[("size", "16")]);
     with_gpu(|gpu| {
         let of = |technique: &str| Settings { seed: 7, ..settings(&scene, technique, Backend::Bvh) };
-        let strategies = |technique: &str| Settings { strategies: 3, max_depth: Some(3), ..of(technique) };
+        let layers = Some(Strategies::of(3, scene.camera(None).unwrap()));
+        let strategies = |technique: &str| Settings { strategies: layers, max_depth: Some(3), ..of(technique) };
         let cases = [
             ("path by length", Settings { lengths: 3, ..of("path") }),
             ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),

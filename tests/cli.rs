@@ -408,3 +408,58 @@ fn verify_refuses_what_makes_no_sense() {
     let list = works(folder.path(), &["verify", "--list"]);
     assert!(list.contains("watertight") && list.contains("bound: ") && list.contains("source: "), "{list}");
 }
+
+/// Where a technique has nothing to do, or cannot do all, it says so before it renders.
+#[test]
+fn what_is_not_found_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera = |eye: &str| {
+        format!(
+            "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'>
+             <lookat origin='{eye}' target='0, 0, 0' up='0, 1, 0'/></transform></sensor>
+             <shape type='rectangle'><transform name='to_world'><translate z='-2'/></transform><bsdf type='diffuse'/></shape>"
+        )
+    };
+    let (outside, inside) = (camera("0, 0, 5"), camera("0, 0, 0.5"));
+    let ball = "<shape type='sphere'><bsdf type='dielectric'/></shape>";
+    let point = "<emitter type='point'><point name='position' x='1' y='3' z='3'/></emitter>";
+    let lamp = "<shape type='sphere'><point name='center' x='1' y='3' z='3'/><float name='radius' value='0.5'/>
+        <emitter type='area'><rgb name='radiance' value='9'/></emitter></shape>";
+    let told = |technique: &str, elements: &[&str]| {
+        std::fs::write(folder.path().join("a.xml"), format!("<scene version='3.0.0'>{}</scene>", elements.concat()))
+            .unwrap();
+        let args = ["render", "a.xml", "-i", technique, "-n", "1", "--size", "8x8", "-o", "a.exr"];
+        let output = program(folder.path(), &args).output().unwrap();
+        assert!(output.status.success(), "{technique}: {}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let within = "the camera stands within smooth glass: light shows it nothing that lies outside";
+    for (technique, elements, expected) in [
+        ("path", [&outside, ball, point], "path does not find caustics of points"),
+        (
+            "bdpt",
+            [&outside, ball, point],
+            "bdpt does not find caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors",
+        ),
+        ("vcm:form=bpt", [&outside, ball, point], "vcm does not find caustics"),
+        ("vcm:form=bpm", [&outside, ball, point], ""),
+        ("path-implicit", [&outside, "", point], "path-implicit does not find the light of points"),
+        (
+            "light",
+            [&outside, ball, lamp],
+            "light does not find the background as the camera sees it, and whatever it sees by way of mirrors",
+        ),
+        ("light", [&outside, "", lamp], ""),
+        ("light", [&inside, ball, lamp], within),
+        ("bdpt", [&outside, "", point], ""),
+        ("vcm", [&outside, ball, point], ""),
+        ("photon", [&outside, ball, point], ""),
+        ("light", [&outside, "", ""], "the scene has no light: a white sky of radiance 1 stands in"),
+    ] {
+        let said = told(technique, &elements);
+        let what = format!("{technique}, {elements:?}: {said}");
+        assert!(said.contains(expected), "{what}");
+        assert_eq!(said.contains("warning"), !expected.is_empty(), "{what}");
+        assert!(said.contains(within) == (expected == within), "{what}");
+    }
+}

@@ -14,8 +14,9 @@ use common::{backends, canon, settings, with_gpu};
 use glam::{DAffine3, DVec3};
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
-use lumbre::render::{Building, Prediction, Probe, Renderer, Settings};
+use lumbre::render::{Building, Prediction, Probe, Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Mesh, Scene, SceneBuilder};
+use lumbre::strategies::Strategies;
 
 /// Every scene of the canon.
 fn scenes() -> Vec<(String, Scene)> {
@@ -112,10 +113,19 @@ fn rendering_takes_what_is_predicted() {
 fn paths_from_the_lights_take_what_is_predicted() {
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
-        for technique in ["light", "bdpt", "photon"] {
-            for (size, lengths, max_depth) in [(64, 0, None), (200, 3, Some(4)), (24, 0, Some(1)), (1300, 0, None)] {
-                let plain = settings(&scene, technique, Backend::Bvh);
-                let settings = Settings { width: size, height: size, lengths, max_depth, ..plain };
+        let by_strategy = Strategies::of(6, scene.camera(None).unwrap());
+        let of = |technique: &str, size: u32| Settings {
+            width: size,
+            height: size,
+            ..settings(&scene, technique, Backend::Bvh)
+        };
+        let layered = Settings { strategies: Some(by_strategy), max_depth: Some(6), ..of("bdpt", 100) };
+        for technique in ["light", "bdpt", "photon", "vcm"] {
+            let sizes = [(64, 0, None), (200, 3, Some(4)), (24, 0, Some(1)), (1300, 0, None)];
+            let plain = sizes.map(|(size, lengths, max_depth)| Settings { lengths, max_depth, ..of(technique, size) });
+            let layered = Some(layered.clone()).filter(|_| technique == "bdpt");
+            for settings in plain.into_iter().chain(layered) {
+                let size = settings.width;
                 let predicted = Prediction::of(&scene, &settings, Some(gpu)).unwrap();
                 let before = gpu.bytes_in_use();
                 let renderer = Renderer::new(gpu, &scene, &settings).unwrap();
@@ -245,6 +255,10 @@ fn what_does_not_fit_is_refused_before_it_is_built() {
             // Twice that fits without layers.
             let layers = Settings { lengths: 64, ..double };
             assert!(refused(gpu, &scene, &layers).contains("without layers by path length (--lengths) it fits"));
+            let strategies = Some(Strategies::of(6, scene.camera(None).unwrap()));
+            let technique = Technique::parse("bdpt").unwrap();
+            let layers = Settings { lengths: 0, strategies, max_depth: Some(6), technique, ..layers };
+            assert!(refused(gpu, &scene, &layers).contains("without layers by strategy (--strategies) it fits"));
         }
     });
 }

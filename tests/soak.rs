@@ -15,6 +15,7 @@ use lumbre::error::Error;
 use lumbre::integrator::{INTEGRATORS, Kept};
 use lumbre::render::{Renderer, Settings, State};
 use lumbre::sampler::{SAMPLERS, Sampler};
+use lumbre::strategies::Strategies;
 
 /// Seconds of a soak where nobody says.
 const SECONDS: f64 = 20.0;
@@ -79,7 +80,10 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
         if row.kept == Kept::Chains { SAMPLERS[0].sampler } else { random.of(&[SAMPLERS[0].sampler, Sampler::Sobol]) };
     match random.below(4) {
         0 => any.lengths = 1 + random.below(5) as u32,
-        1 if row.kept == Kept::Paths => (any.strategies, any.max_depth) = (4, Some(4)),
+        1 if row.kept == Kept::Paths => {
+            any.strategies = Some(Strategies::of(4, scene.camera(None).unwrap()));
+            any.max_depth = Some(4);
+        }
         _ => {}
     }
     any

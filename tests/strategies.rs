@@ -1,69 +1,92 @@
-//! The strategies of bidirectional path tracing: what each of them brings. Their weights are the row `mis-weights` of `lumbre verify`.
+//! The strategies of bidirectional path tracing: what each of them brings, and what it is weighed by.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 
-use common::{backends, canon, render, settings, with_gpu};
+use common::room::{LAMP, room, scene};
+use common::{canon, render, settings, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
-use lumbre::metrics::stats::Estimate;
+use lumbre::gpu::Gpu;
+use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::Settings;
-use lumbre::strategies::Strategy;
+use lumbre::scene::Scene;
+use lumbre::strategies::Strategies;
 
-/// Weighted layers sum to the image; and each strategy by itself, where all surfaces are matte, brings all light of its path length.
+const LONGEST: u32 = 4;
+const SEEDS: u32 = 16;
+
 #[test]
-fn each_strategy_brings_all_of_its_length() {
-    const LONGEST: u32 = 4;
-    const SEEDS: u32 = 12;
-    let scene = canon("cornell.xml", &[("size", "32")]);
+fn weights_are_those_of_the_definition() {
+    verify(&["mis-weights", "path-weights"]);
+}
+
+/// Films of different seeds.
+fn over_seeds(gpu: &Gpu, scene: &Scene, settings: &Settings, first: u32, spp: u32) -> Vec<Film> {
+    (first..first + SEEDS).map(|seed| render(gpu, scene, &Settings { seed, ..settings.clone() }, spp)).collect()
+}
+
+/// The mean of what these have, and its variance.
+fn estimate(films: &[Film], of: impl Fn(&Film) -> f64) -> Estimate {
+    Estimate::of(&films.iter().map(of).collect::<Vec<f64>>())
+}
+
+/// Each strategy by itself brings all light of its path length, where all surfaces are matte, as `path` does; all of them weighted sum to the
+/// image, sample by sample, and are in the mean what the technique gives without layers. `noise` is the most that the standard deviation of a
+/// strategy may be.
+fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64) {
     with_gpu(|gpu| {
-        let truth = {
-            let settings =
-                Settings { lengths: LONGEST, max_depth: Some(LONGEST), ..settings(&scene, "path", Backend::Bvh) };
-            let films: Vec<_> = (0..SEEDS)
-                .map(|seed| render(gpu, &scene, &Settings { seed: 100 + seed, ..settings.clone() }, 512))
-                .collect();
-            (0..LONGEST as usize)
-                .map(|layer| {
-                    let averages: Vec<f64> = films.iter().map(|film| film.length(layer).average()[1]).collect();
-                    Estimate::of(&averages)
-                })
-                .collect::<Vec<_>>()
-        };
-        for backend in backends(gpu) {
-            let settings =
-                Settings { strategies: LONGEST, max_depth: Some(LONGEST), ..settings(&scene, "bdpt", backend) };
-            let films: Vec<_> =
-                (0..SEEDS).map(|seed| render(gpu, &scene, &Settings { seed, ..settings.clone() }, 256)).collect();
-            for (index, strategy) in Strategy::up_to(LONGEST).enumerate() {
-                let average = |film: &Film| film.image_of(&film.strategies[index].unweighted).average()[1];
-                let found = Estimate::of(&films.iter().map(average).collect::<Vec<f64>>());
-                let z = found.z(&truth[strategy.segments() as usize - 1]);
-                println!("{} on {}: {:.5}, z {z:.2}", strategy.name(), backend.name(), found.mean);
-                // Few runs: Student's t with 11 degrees of freedom, of 14 comparisons on two backends.
-                assert!(z.abs() < 5.0, "{} on {}: z {z}", strategy.name(), backend.name());
-                assert!(found.variance.sqrt() < 0.05 * found.mean, "{}: too coarse", strategy.name());
-            }
-            // Layers have a shadow ray for each connection, the technique by itself one for all: the same image in the mean.
-            let plain = Settings { strategies: 0, ..settings.clone() };
-            let average = |film: &Film| film.average()[1];
-            let plain: Vec<f64> = (0..SEEDS)
-                .map(|seed| average(&render(gpu, &scene, &Settings { seed: 50 + seed, ..plain.clone() }, 256)))
-                .collect();
-            let (layered, plain) =
-                (Estimate::of(&films.iter().map(average).collect::<Vec<f64>>()), Estimate::of(&plain));
-            println!("{}: {:.6} weighted, {:.6} without layers", backend.name(), layered.mean, plain.mean);
-            assert!(layered.z(&plain).abs() < 4.0, "{layered:?} against {plain:?}");
-            assert!(layered.variance.sqrt() < 2e-3 * layered.mean, "{layered:?}: too coarse");
-            let (film, image) = (&films[0], films[0].mean());
-            let weighted: Vec<_> = film.strategies.iter().map(|layers| film.image_of(&layers.weighted)).collect();
-            for (pixel, whole) in image.pixels.iter().enumerate() {
-                for (channel, whole) in whole.iter().enumerate() {
-                    let sum: f64 = weighted.iter().map(|layer| f64::from(layer.pixels[pixel][channel])).sum();
-                    assert!((sum - f64::from(*whole)).abs() <= 1e-5 * f64::from(*whole).max(1e-3), "pixel {pixel}");
-                }
+        let lengths = Settings { lengths: LONGEST, max_depth: Some(LONGEST), ..settings(scene, "path", Backend::Bvh) };
+        let truth = over_seeds(gpu, scene, &lengths, 100, 2 * spp);
+        let strategies = Strategies::of(LONGEST, scene.camera(None).unwrap());
+        let count = strategies.all().count();
+        let image = estimate(&truth, |film| film.average()[1]);
+        let plain = Settings { max_depth: Some(LONGEST), ..settings(scene, "bdpt", Backend::Bvh) };
+        let layered = Settings { strategies: Some(strategies), ..plain.clone() };
+        let films = over_seeds(gpu, scene, &layered, 0, spp);
+        for (index, strategy) in strategies.all().enumerate() {
+            let found = estimate(&films, |film| film.image_of(&film.strategies[index].unweighted).average()[1]);
+            let truth = estimate(&truth, |film| film.length(strategy.segments() as usize - 1).average()[1]);
+            // Of the strategy's light, or of the hundredth part of all where it has less.
+            let (z, sigma) = (found.z(&truth), found.variance.sqrt() / found.mean.max(0.01 * image.mean));
+            let name = format!("{what}, {}", strategy.name());
+            println!("{name}: {:.6}, sigma {:.2} %, z {z:.2}", found.mean, 100.0 * sigma);
+            assert!(two_sided_p(z) > sidak(0.01, count), "{name}: z {z}");
+            assert!(sigma < noise, "{name}: sigma {sigma} is too coarse");
+        }
+        // Layers have a shadow ray for each connection, the technique by itself one for all.
+        let (found, alone) = (&films, over_seeds(gpu, scene, &plain, 50, spp));
+        let [found, alone] = [found, &alone].map(|films| estimate(films, |film| film.average()[1]));
+        println!("{what}: {:.6} weighted, {:.6} without layers", found.mean, alone.mean);
+        assert!(found.z(&alone).abs() < 3.5, "{found:?} against {alone:?}");
+        assert!(found.variance.sqrt() < 2e-3 * found.mean, "{found:?}: too coarse");
+        let (film, image) = (&films[0], films[0].mean());
+        let weighted: Vec<_> = film.strategies.iter().map(|layers| film.image_of(&layers.weighted)).collect();
+        for (pixel, whole) in image.pixels.iter().enumerate() {
+            for (channel, whole) in whole.iter().enumerate() {
+                let sum: f64 = weighted.iter().map(|layer| f64::from(layer.pixels[pixel][channel])).sum();
+                assert!((sum - f64::from(*whole)).abs() <= 1e-5 * f64::from(*whole).max(1e-3), "pixel {pixel}");
             }
         }
     });
+}
+
+#[test]
+fn in_the_cornell_box() {
+    let scene = canon("cornell.xml", &[("size", "32")]);
+    each_brings_all_of_its_length("cornell", &scene, 256, 0.02);
+}
+
+/// Through a lens, which paths from the light run into (t = 0), and with filters wider than a pixel.
+#[test]
+fn to_a_lens() {
+    let sensor = "<sensor type='thinlens'><float name='fov' value='40'/><float name='aperture_radius' value='1.5'/>
+        <float name='focus_distance' value='5'/><transform name='to_world'><lookat origin='0, 1, 4' target='0, 0.8, 0' up='0, 1, 0'/></transform>
+        <film type='hdrfilm'><integer name='width' value='24'/><integer name='height' value='24'/><rfilter type='tent'/></film></sensor>";
+    let matte = "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='0.6'/></bsdf></bsdf>";
+    let scene = scene(&[sensor, &room(matte, matte), LAMP].concat());
+    let strategies = Strategies::of(LONGEST, scene.camera(None).unwrap());
+    assert_eq!(strategies.all().filter(|strategy| strategy.t == 0).count(), 3);
+    each_brings_all_of_its_length("a lens", &scene, 384, 0.05);
 }

@@ -70,15 +70,12 @@ void partial_arrive(inout Partial p, float distance2, float cosine) {
 }
 
 // The path goes on in a direction of density pdf_w from a vertex of that opacity; `reverse_pdf_w` is that of having come the other way.
+// Of a delta lobe both leave out the same infinite factor, and nothing is joined there.
 void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_pdf_w, bool delta, float opacity) {
-    if (delta) {
-        p.d_vc *= mis(cosine);
-        p.d_vcm = 0.0;
-        return;
-    }
     float there = mis(cosine / pdf_w);
-    p.d_vc = there > 0.0 ? there * (p.d_vc * mis(reverse_pdf_w) + connected(p.d_vcm) + merge_share(opacity)) : 0.0;
-    p.d_vcm = mis(1.0 / pdf_w);
+    float others = p.d_vc * mis(reverse_pdf_w) + (delta ? 0.0 : connected(p.d_vcm) + merge_share(opacity));
+    p.d_vc = there > 0.0 ? there * others : 0.0;
+    p.d_vcm = delta ? 0.0 : mis(1.0 / pdf_w);
     partial_bound(p);
 }
 

@@ -75,7 +75,7 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
     }
 
     BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);
-    partial_scatter(p, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
+    partial_leave(p, v, b, s);
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }

@@ -25,7 +25,10 @@ void show_lens(Pixel pixel, Path path, vec3 power, Ray ray, float end, Partial p
     if (HAS_ABSORPTION) value *= exp(-path.absorption * t);
     vec4 u = next4(path.random);
     uint seen_by = splat_pixel(position, u.xy, value);
-    if (seen_by != NONE) splat(seen_by, pixel.sample_index, path.depth + 1u, value * lens_weight(p, importance, lens_choice()));
+    if (seen_by == NONE) return;
+    float weight = lens_weight(p, importance, lens_choice());
+    if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, path.depth + 2u, 0u, value, weight);
+    else splat(seen_by, pixel.sample_index, path.depth + 1u, value * weight);
 }
 
 // Follows the path to its next vertex, keeps that, shows it to the camera, and chooses the ray after it. `met` counts the vertices of
@@ -62,7 +65,7 @@ bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path 
     }
     if (length >= longest() && !to_lens) return false; // one more segment for the lens
     BsdfSample s = light_vertex_sample(v, b, path.ray, bsdf_u.xyz);
-    partial_scatter(p, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
+    partial_leave(p, v, b, s);
     path_scatter(path, v, b, s);
     return path_survives(path, 1.0, bsdf_u.w);
 }

@@ -17,9 +17,16 @@ void keep_count(LightPath kept, uint met) {
     for (uint i = 0u; i < kept.count; i++) kept.at[i].power *= kept_share(met);
 }
 
-// Density per scaled area with which a point of the lens is chosen; 0 where no light path runs into one. Layers of strategies leave that
-// out, to have the same number of them for every camera.
-float lens_choice() { return CONNECTS && MEETS_LENS && CAMERA == CAMERA_THIN_LENS && !HAS_STRATEGIES ? 1.0 / scaled_area(lens_area()) : 0.0; }
+// Density per scaled area with which a point of the lens is chosen; 0 where no light path runs into one.
+float lens_choice() { return CONNECTS && MEETS_LENS && CAMERA == CAMERA_THIN_LENS ? 1.0 / scaled_area(lens_area()) : 0.0; }
+
+// The path goes on from a vertex in the direction that its BSDF chose.
+void partial_leave(inout Partial p, Vertex v, Bsdf b, BsdfSample s) {
+    float cosine = abs(dot(vertex_to_world(v, s.wi), v.at.normal));
+    // Refraction compresses solid angles by n_i^2 cos_i / (n_o^2 cos_o) (Veach 1997, section 5.2): turned round, its delta lobe is as much denser.
+    float reverse_pdf_w = s.delta ? s.pdf_w * abs(v.wo.z / s.wi.z) / (s.eta * s.eta) : bsdf_pdf(b, s.wi, v.wo);
+    partial_scatter(p, cosine, s.pdf_w, reverse_pdf_w, s.delta, vertex_opacity(v));
+}
 
 // A vertex of a path from the camera joined to one of a light path.
 struct Connection {

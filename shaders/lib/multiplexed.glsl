@@ -133,7 +133,7 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
 
     BsdfSample s = vertex_sample(v, b, m.path.ray, bsdf_u.xyz);
     if (m.from_light) s.weight *= adjoint_factor(v, m.path.ray, s);
-    partial_scatter(m.partial, abs(dot(vertex_to_world(v, s.wi), v.at.normal)), s.pdf_w, s.delta ? 0.0 : bsdf_pdf(b, s.wi, v.wo), s.delta, vertex_opacity(v));
+    partial_leave(m.partial, v, b, s);
     path_scatter(m.path, v, b, s);
     if (m.by_camera) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
     return m.path.throughput != vec3(0.0);

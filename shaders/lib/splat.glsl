@@ -34,6 +34,7 @@ void splat(uint pixel, uint sample_index, uint length, vec3 value) {
 void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
     uint k = s + t - 1u;
     uint layer = (k - 1u) * (k + 2u) + 2u * s; // of shorter paths, then of fewer vertices from the light
+    if (CAMERA == CAMERA_THIN_LENS) layer += 2u * (max(k, 2u) - 2u); // t = 0 has one more for each length from 2
     splat(pixel, sample_index, layer + 1u, value);
     splat(pixel, sample_index, layer + 2u, value * weight);
 }

@@ -34,7 +34,7 @@ impl Identity {
             ("sampler", sampler.name().to_owned()),
             ("filter", format!("{filter:?}")),
             ("layers by length", lengths.to_string()),
-            ("layers by strategy", strategies.to_string()),
+            ("layers by strategy", strategies.map_or(0, |strategies| strategies.longest).to_string()),
             ("specialised", specialise.to_string()),
             ("chunk", chunk.to_string()),
             ("device", survey.name.clone()),

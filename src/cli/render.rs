@@ -16,12 +16,12 @@ use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::integrator::Kept;
+use lumbre::integrator::{Kept, Missing};
 use lumbre::output::{Format, check_writable, format_of, replace_file};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
-use lumbre::strategies::LONGEST;
+use lumbre::strategies::{LONGEST, Strategies};
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
 use keep::Keeper;
@@ -193,6 +193,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
+    let camera = scene.camera(settings.camera.as_deref())?.to_world.translation - scene.origin;
+    let shows = settings.technique.row.misses.contains(&Missing::Unshowable);
+    if shows && !args.quiet && scene.is_within_smooth_glass(camera) {
+        eprintln!(
+            "warning: the camera stands within smooth glass: {} shows it nothing that lies outside; valid is any other technique",
+            settings.technique.row.name
+        );
+    }
     if let Some(taken) = settings.technique.simplifies(&scene).filter(|_| !args.quiet) {
         eprintln!(
             "warning: {} takes for diffuse, with the albedo that they have: {taken}",
@@ -343,7 +351,8 @@ fn settle(
         if shortened && !args.quiet {
             eprintln!("note: paths end after {longest} segments, for --strategies to show all of them");
         }
-        (settings.strategies, settings.max_depth) = (longest, Some(longest));
+        settings.strategies = Some(Strategies::of(longest, scene.camera(args.camera.as_deref())?));
+        settings.max_depth = Some(longest);
     }
     let spp = match (args.time, args.error) {
         (Some(_), _) => u32::MAX,

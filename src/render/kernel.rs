@@ -52,7 +52,7 @@ impl Kernel {
         let [param0, param1, param2, param3] = settings.technique.words();
         let mut special = Specialisation {
             length_layers: settings.layers(),
-            strategies: settings.strategies > 0,
+            strategies: settings.strategies.is_some(),
             max_depth: settings.max_depth.unwrap_or(NONE),
             rr_depth: settings.rr_depth,
             filter: settings.filter.parameters().0,

@@ -146,9 +146,10 @@ pub(super) fn check(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()>
             )))
         };
     };
-    let plain = Settings { lengths: 0, ..settings.clone() };
-    if settings.lengths > 0 && refusal(&plain)?.is_none() {
-        return Err(Error::Device(format!("{why}; without layers by path length (--lengths) it fits")));
+    let plain = Settings { lengths: 0, strategies: None, ..settings.clone() };
+    if settings.layers() > 0 && refusal(&plain)?.is_none() {
+        let layers = if settings.lengths > 0 { "path length (--lengths)" } else { "strategy (--strategies)" };
+        return Err(Error::Device(format!("{why}; without layers by {layers} it fits")));
     }
     let mut smaller = settings.clone();
     while smaller.width > 1 || smaller.height > 1 {

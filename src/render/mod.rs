@@ -35,7 +35,6 @@ use crate::integrator::{self, Kept, Over, Pass};
 use crate::layout::{BAD_SAMPLES, Chain, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::scene::Scene;
 use crate::scene::patches::Quartered;
-use crate::strategies::Strategy;
 use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
@@ -105,7 +104,7 @@ impl Renderer {
 
     /// The same; `watch` is told how far it is.
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
-        settings.check(gpu)?;
+        settings.check(gpu, scene)?;
         memory::check(gpu, scene, settings)?;
         Self::build(gpu, scene, settings, watch).map_err(|error| memory::advise(gpu, scene, settings, error))
     }
@@ -325,9 +324,9 @@ impl Renderer {
         let layer_count = self.settings.layers() as usize;
         let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
         let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count);
-        if self.settings.strategies > 0 {
+        if let Some(strategies) = self.settings.strategies {
             let mut layers = std::mem::take(&mut film.lengths).into_iter();
-            for strategy in Strategy::up_to(self.settings.strategies) {
+            for strategy in strategies.all() {
                 let mut next = || layers.next().unwrap_or_default();
                 film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
             }

@@ -26,7 +26,7 @@ impl Probe {
     /// Makes the kernel `shaders/<name>.glsl` for a scene and the backend of `settings`.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
-        settings.check(gpu)?;
+        settings.check(gpu, scene)?;
         memory::check_scene(gpu, scene, settings)?;
         let kernel = Kernel::new(gpu, scene, settings, &module, &|_| {})?;
         Ok(Self::of(gpu, scene, settings, name, kernel))

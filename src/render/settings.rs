@@ -9,7 +9,7 @@ use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter,
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
-use crate::strategies::{LONGEST, Strategy};
+use crate::strategies::{LONGEST, Strategies};
 
 /// Materials that a warning names; of more it says how many there are.
 const NAMED: usize = 8;
@@ -170,8 +170,8 @@ pub struct Settings {
     pub seed: u32,
     /// Layers by path length; 0 for none. The last one also takes every longer path.
     pub lengths: u32,
-    /// Layers by strategy, for paths of up to so many segments, which must be the longest there are; 0 for none.
-    pub strategies: u32,
+    /// Layers by strategy, whose longest paths must be the longest there are.
+    pub strategies: Option<Strategies>,
     /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
     pub specialise: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
@@ -195,7 +195,7 @@ impl Settings {
             sampler: SAMPLERS[0].sampler,
             seed: 0,
             lengths: 0,
-            strategies: 0,
+            strategies: None,
             specialise: true,
             expected_samples: u64::MAX,
             chunk: CHUNK,
@@ -204,7 +204,7 @@ impl Settings {
 
     /// Layers of the film besides the image itself.
     pub fn layers(&self) -> u32 {
-        if self.strategies > 0 { 2 * Strategy::up_to(self.strategies).count() as u32 } else { self.lengths }
+        self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)
     }
 
     /// What the kernel models.
@@ -218,7 +218,7 @@ impl Settings {
     }
 
     /// Fails where they make no sense, or the device lacks the backend.
-    pub(super) fn check(&self, gpu: &Gpu) -> Result<()> {
+    pub(super) fn check(&self, gpu: &Gpu, scene: &Scene) -> Result<()> {
         gpu.require(self.backend)?;
         let bad = |what: String| Err(Error::Usage(what));
         if self.width == 0 || self.height == 0 || self.width > 65536 || self.height > 65536 {
@@ -243,15 +243,20 @@ impl Settings {
                 gpu.survey().name
             ));
         }
-        if self.strategies > 0 {
+        if let Some(strategies) = self.strategies {
             let combining = INTEGRATORS.iter().filter(|row| row.kept == Kept::Paths).map(|row| row.name);
             if row.kept != Kept::Paths {
                 return bad(format!("--strategies with {}: valid is it with {}", row.name, one_of(combining)));
             }
-            if self.strategies > LONGEST || self.max_depth.is_none_or(|depth| depth > self.strategies) {
+            let longest = strategies.longest;
+            if !(1..=LONGEST).contains(&longest) || self.max_depth.is_none_or(|depth| depth > longest) {
                 return bad(format!(
-                    "layers by strategy (--strategies) for {} segments: they must be all that paths may have, {LONGEST} at most",
-                    self.strategies
+                    "layers by strategy (--strategies) for {longest} segments: they must be all that paths may have, 1 to {LONGEST}"
+                ));
+            }
+            if strategies != Strategies::of(longest, scene.camera(self.camera.as_deref())?) {
+                return bad(String::from(
+                    "layers by strategy of a camera with a lens, or of one without: the other is used",
                 ));
             }
             if self.lengths > 0 {

@@ -122,6 +122,11 @@ impl Camera {
         }
     }
 
+    /// Whether paths from the lights can run into it: it has a lens with an area.
+    pub fn has_lens(&self) -> bool {
+        matches!(self.projection, Projection::ThinLens { radius, .. } if radius > 0.0)
+    }
+
     /// The rays of an image of `width` by `height` pixels.
     pub fn image_plane(&self, width: u32, height: u32) -> ImagePlane {
         let (width, height) = (f64::from(width), f64::from(height));

@@ -4,7 +4,8 @@ use glam::{DAffine3, DVec3};
 
 use super::{Instance, Scene};
 use crate::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_TRIANGLE, Light, MATERIAL_HAS_ABSORPTION, NONE, Primitive, SPHERE_BIT, SURFACE_MASK,
+    LIGHT_DIRECTIONAL, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_HAS_ABSORPTION, Material, NONE, Primitive,
+    SPHERE_BIT, SURFACE_MASK,
 };
 
 /// Direction in which surfaces are looked for: along no axis, so that few edges lie on the way.
@@ -17,52 +18,69 @@ impl Scene {
     /// Absorption (1/m) of the medium around a point, which is relative to [`Scene::origin`]: that of the nearest surface with a volume,
     /// looking one way, if its back is seen.
     pub fn absorption_at(&self, point: DVec3) -> [f32; 3] {
-        around(&self.volumes(), point)
+        around(&self.absorbing(), point).unwrap_or_default()
+    }
+
+    /// Whether a point, which is relative to [`Scene::origin`], lies behind the nearest surface of smooth glass, looking one way.
+    pub fn is_within_smooth_glass(&self, point: DVec3) -> bool {
+        around(&self.volumes(|material| (material.kind == MATERIAL_DIELECTRIC).then_some(())), point).is_some()
     }
 
     /// Fills in the media around the lights: an area light's is the one before its front.
     pub(super) fn immerse_lights(&mut self) {
-        let volumes = self.volumes();
+        let volumes = self.absorbing();
         if volumes.iter().all(|volume| volume.surface.is_empty()) {
             return;
         }
-        let media: Vec<_> = self.lights.iter().map(|light| around(&volumes, before(light))).collect();
+        let media: Vec<_> =
+            self.lights.iter().map(|light| around(&volumes, before(light)).unwrap_or_default()).collect();
         self.lights.iter_mut().zip(media).for_each(|(light, absorption)| light.absorption = absorption);
     }
 
-    /// The surfaces with volumes, by instance. Looks at every primitive of a scene that has such surfaces, at none of others.
-    fn volumes(&self) -> Vec<Volume> {
-        if !self.materials.iter().any(|material| material.flags & MATERIAL_HAS_ABSORPTION != 0) {
+    /// What absorbs, with how much.
+    fn absorbing(&self) -> Vec<Volume<[f32; 3]>> {
+        self.volumes(|material| {
+            let absorbs = material.flags & MATERIAL_HAS_ABSORPTION != 0;
+            absorbs.then(|| self.layereds[material.detail as usize].absorption)
+        })
+    }
+
+    /// The surfaces whose fronts are of such a material, by instance, with what is behind them. Looks at every primitive of a scene that has
+    /// one, at none of others.
+    fn volumes<T: Copy>(&self, behind: impl Fn(&Material) -> Option<T>) -> Vec<Volume<T>> {
+        if !self.materials.iter().any(|material| behind(material).is_some()) {
             return Vec::new();
         }
-        let absorbs = |primitive: &Primitive| {
+        let of_primitive = |primitive: &Primitive| {
             let front = self.surfaces[(primitive.surface & SURFACE_MASK) as usize].front;
             let material = (front != NONE).then(|| &self.materials[front as usize])?;
-            let absorbs = material.flags & MATERIAL_HAS_ABSORPTION != 0;
-            absorbs.then(|| (*primitive, self.layereds[material.detail as usize].absorption))
+            behind(material).map(|what| (*primitive, what))
         };
         let of_instance = |instance: &Instance| Volume {
             to_object: instance.to_world.inverse(),
-            surface: self.primitives[self.groups[instance.group].primitives()].iter().filter_map(absorbs).collect(),
+            surface: self.primitives[self.groups[instance.group].primitives()]
+                .iter()
+                .filter_map(of_primitive)
+                .collect(),
         };
         self.instances.iter().map(of_instance).collect()
     }
 }
 
-/// The surfaces of an instance that have a volume behind them, with its absorption.
-struct Volume {
+/// The surfaces of an instance that have a volume behind them, with what fills it.
+struct Volume<T> {
     to_object: DAffine3,
-    surface: Vec<(Primitive, [f32; 3])>,
+    surface: Vec<(Primitive, T)>,
 }
 
-/// Absorption around a point.
-fn around(volumes: &[Volume], point: DVec3) -> [f32; 3] {
-    let mut nearest = (f64::INFINITY, [0.0; 3]);
+/// What fills the space around a point, if it is in one of the volumes.
+fn around<T: Copy>(volumes: &[Volume<T>], point: DVec3) -> Option<T> {
+    let mut nearest = (f64::INFINITY, None);
     for volume in volumes {
         let (origin, direction) = (volume.to_object.transform_point3(point), volume.to_object.transform_vector3(LOOK));
-        for (primitive, absorption) in &volume.surface {
+        for (primitive, what) in &volume.surface {
             if let Some((t, is_back)) = crossing(primitive, origin, direction).filter(|(t, _)| *t < nearest.0) {
-                nearest = (t, if is_back { *absorption } else { [0.0; 3] });
+                nearest = (t, is_back.then_some(*what));
             }
         }
     }

@@ -20,7 +20,10 @@ pub(super) fn patch_under(emitter: impl FnOnce(&mut SceneBuilder, usize)) -> Res
     builder.parallelogram(DVec3::new(-1e-3, 0.0, -1e-3), DVec3::Z * 2e-3, DVec3::X * 2e-3, floor);
     let light = lamp(&mut builder, [1.0; 3]);
     emitter(&mut builder, light);
-    look(&mut builder, 16, DVec3::new(0.0, 0.4, 0.3), DVec3::ZERO, 0.05)?;
+    // One camera for what finds the light by itself, one that sees more of what light's paths find.
+    for fov in [0.05, 0.15] {
+        look(&mut builder, 16, DVec3::new(0.0, 0.4, 0.3), DVec3::ZERO, fov)?;
+    }
     builder.finish()
 }
 
@@ -41,6 +44,18 @@ fn irradiance(run: &mut Run, what: &str, scene: &Scene, expected: f64) -> Result
         let implicit = technique == "path-implicit" || technique.ends_with("bsdf");
         let film = run.render(scene, &settings, if implicit { 4500 } else { 500 })?;
         run.mean(technique, what, &film, 0, 0.5 / PI * expected);
+    }
+    // The lamp aims at the patch, which is all that does not emit; radii are shares of its size.
+    for technique in run.and_from_lights(scene) {
+        let (technique, spp) = match technique {
+            "photon" => ("photon:direct=photons:radius=0.1", 3000),
+            "vcm" => ("vcm:radius=0.05", 1000),
+            other => (other, 9000),
+        };
+        let camera = Some(String::from("1"));
+        let settings = Settings { max_depth: Some(2), camera, ..run.settings(scene, technique)? };
+        let film = run.render(scene, &settings, spp)?;
+        run.mean_within(technique, what, &film, 0, 0.5 / PI * expected, 4e-3);
     }
     Ok(())
 }
@@ -86,6 +101,11 @@ pub(super) fn cube_with_a_point_light(run: &mut Run) -> Result<()> {
     for (_, [x, y], _) in points {
         look(&mut builder, 32, DVec3::new(0.5, 0.3, 0.0), DVec3::new(x, y, 5.0), 0.0005)?;
     }
+    // All of the wall.
+    look(&mut builder, 32, DVec3::Z * 4.0, DVec3::Z * 5.0, 45.0)?;
+    if let Some(camera) = builder.cameras.last_mut() {
+        make_parallel(camera, 5.0);
+    }
     let scene = builder.finish()?;
     for technique in run.thorough(&scene) {
         for (index, (name, _, expected)) in points.into_iter().enumerate() {
@@ -94,7 +114,27 @@ pub(super) fn cube_with_a_point_light(run: &mut Run) -> Result<()> {
             run.mean(technique, name, &film, 0, expected);
         }
     }
+    // What all walls absorb is what the light sheds: the mean luminance is r I 4 pi / (pi A (1 - r)).
+    let mean = 50_000.0 * 4.0 * (2.0 / 3.0) / (600.0 / 3.0);
+    for technique in run.and_from_lights(&scene) {
+        // Photons near an edge are missing from beyond it.
+        let (technique, share) = match technique {
+            "photon" => ("photon:radius=0.01", 4e-3),
+            "vcm" => ("vcm:radius=0.001", 2e-3),
+            other => (other, 1e-3),
+        };
+        let settings = Settings { camera: Some(points.len().to_string()), ..run.settings(&scene, technique)? };
+        let film = run.render(&scene, &settings, 400)?;
+        run.mean_within(technique, "the whole wall", &film, 0, mean, share);
+    }
     Ok(())
+}
+
+/// Makes a camera's rays parallel, over a square of this half side.
+fn make_parallel(camera: &mut Camera, half: f64) {
+    camera.projection = Projection::Orthographic;
+    camera.to_world.matrix3.x_axis *= half;
+    camera.to_world.matrix3.y_axis *= half;
 }
 
 /// A slab of glass met head-on: reflections within it sum to R = 2 r / (1 + r) and T = (1 - r) / (1 + r), r = 0.04. Green light comes
@@ -114,7 +154,7 @@ pub(super) fn slab(run: &mut Run) -> Result<()> {
     builder.parallelogram(corner(-9.0), across, up, green);
     look(&mut builder, 32, DVec3::Z * 5.0, DVec3::ZERO, 0.01)?;
     let scene = builder.finish()?;
-    for technique in run.thorough(&scene) {
+    for technique in run.thorough(&scene).into_iter().chain(run.and_from_lights(&scene)) {
         let settings = Settings { rr_depth: 50, ..run.settings(&scene, technique)? };
         let film = run.render(&scene, &settings, run.pick(2000, 1500))?;
         run.mean(technique, "reflected", &film, 0, 1.0 / 13.0);
@@ -154,9 +194,7 @@ pub(super) fn inside_glass(run: &mut Run) -> Result<()> {
 fn from_above(builder: &mut SceneBuilder, half: f64, height: f64) -> Result<()> {
     look(builder, 32, DVec3::Y * height, DVec3::ZERO, 45.0)?;
     if let Some(camera) = builder.cameras.last_mut() {
-        camera.projection = Projection::Orthographic;
-        camera.to_world.matrix3.x_axis *= half;
-        camera.to_world.matrix3.y_axis *= half;
+        make_parallel(camera, half);
     }
     Ok(())
 }
@@ -195,13 +233,18 @@ pub(super) fn form_factors(run: &mut Run) -> Result<()> {
         ("adjacent faces of a cube", adjacent, 0.200_044, 1.0),
         ("equal disks", disks, 0.381_966, share),
     ] {
-        for technique in run.thorough(&scene) {
+        // All of the face is seen: by light tracing too.
+        let light = run.and_from_lights(&scene).into_iter().filter(|technique| *technique == "light");
+        for technique in run.thorough(&scene).into_iter().chain(light) {
             if technique == "path-implicit" && what.starts_with("adj") && run.is_short() {
                 continue;
             }
             let settings = Settings { max_depth: Some(2), ..run.settings(&scene, technique)? };
-            let film =
-                run.render(&scene, &settings, run.samples(if technique == "path-implicit" { 800 } else { 200 }, 128))?;
+            let film = run.render(
+                &scene,
+                &settings,
+                run.samples(if matches!(technique, "path-implicit" | "light") { 800 } else { 200 }, 128),
+            )?;
             run.mean(technique, what, &film, 0, 0.5 * share * expected);
         }
     }
@@ -227,17 +270,21 @@ pub(super) fn half_lit_sphere(run: &mut Run) -> Result<()> {
     builder.sphere(0, "sphere", DVec3::ZERO, -1.0, surface);
     // The first row of the image is around the pole +z.
     for at in [DVec3::Z, DVec3::NEG_Z] {
-        let camera = Camera::look_at(DVec3::new(0.1, 0.2, 0.0), at, DVec3::Y, 40.0)?;
+        // Of the one half only, and as much of it as paths from the light show to many pixels.
+        let camera = Camera::look_at(DVec3::new(0.1, 0.2, 0.0), at * 100.0, DVec3::Y, 120.0)?;
         builder.cameras.push(camera);
     }
     (builder.film.width, builder.film.height) = (32, 32);
     let scene = builder.finish()?;
     let indirect = 0.75 / 0.25 * 0.5;
-    for technique in run.thorough(&scene) {
+    for technique in run.thorough(&scene).into_iter().chain(run.and_from_lights(&scene)) {
+        // Merges: of a sphere, the area within a distance is that of a plane.
+        let share = if matches!(technique, "photon" | "vcm") { 2e-3 } else { 1e-3 };
         for (camera, what, expected) in [("0", "the half that emits", 1.0 + indirect), ("1", "the other", indirect)] {
             let settings = Settings { camera: Some(camera.to_owned()), ..run.settings(&scene, technique)? };
-            let film = run.render(&scene, &settings, run.pick(200, 128))?;
-            run.mean(technique, what, &film, 0, expected);
+            let spp = if technique == "light" { 800 } else { run.pick(200, 128) };
+            let film = run.render(&scene, &settings, spp)?;
+            run.mean_within(technique, what, &film, 0, expected, share);
         }
     }
     Ok(())

@@ -16,6 +16,8 @@ use crate::scene::Scene;
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
+    /// The full form, and closed forms by techniques that need many samples for them.
+    Long,
     /// Every technique, and what the bounds ask for: minutes.
     Full,
     /// One or two techniques and fewer samples and rays: seconds.
@@ -59,7 +61,7 @@ impl<'a> Run<'a> {
 
     /// The first of two, or the second where little time is to be spent.
     pub(super) fn pick<T>(&self, full: T, short: T) -> T {
-        if self.effort == Effort::Full { full } else { short }
+        if self.is_short() { short } else { full }
     }
 
     /// Samples per pixel of what holds estimators: half as many on other backends than `bvh`, for they differ in how rays are met alone,
@@ -71,6 +73,11 @@ impl<'a> Run<'a> {
     /// Whether little time is to be spent.
     pub(super) fn is_short(&self) -> bool {
         self.effort == Effort::Short
+    }
+
+    /// Whether there is time for all.
+    pub(super) fn is_long(&self) -> bool {
+        self.effort == Effort::Long
     }
 
     /// Takes a figure in.
@@ -147,6 +154,17 @@ impl<'a> Run<'a> {
             .filter(finds)
             .map(|row| row.name)
             .collect()
+    }
+
+    /// What else finds all there is, in the long form: light tracing, where many pixels see its light or its lights aim, and what blurs by a
+    /// radius. One backend is enough.
+    pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
+        let asked = self.is_long() && self.backend == Backend::Bvh;
+        let finds =
+            |row: &&Integrator| Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
+        let rows =
+            INTEGRATORS.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
+        rows.filter(finds).map(|row| row.name).collect()
     }
 
     /// Holds a film's mean against a value: within 0.1 % or three standard deviations of the estimate, whichever is more. An estimate

@@ -1,8 +1,8 @@
 //! The rows of the suite: the only place where a new one is announced.
 
 use super::{
-    Case, On, agreement, balance, bsdf, delta, draws, emitters, formulas, furnaces, leaving, outlines, placed, sums,
-    toy, weights,
+    Case, On, agreement, balance, bsdf, delta, draws, emitters, formulas, furnaces, leaving, outlines, path_weights,
+    placed, sums, toy, weights,
 };
 
 const MEAN: &str = "0.1 % or 3 sigma";
@@ -232,6 +232,14 @@ pub const CASES: &[Case] = &[
         source: "products of densities in double precision",
         on: On::Once,
         measure: weights::weights,
+    },
+    Case {
+        name: "path-weights",
+        tests: "weights of the paths that bdpt makes in a room with a mirror, metal and water, 2e-4 to 2e4 units wide, to a pinhole and a lens",
+        bound: "1e-5, of the power heuristic 2e-5",
+        source: "densities of all strategies in double precision, solid angles by neighbouring rays",
+        on: On::Once,
+        measure: path_weights::path_weights,
     },
     Case {
         name: "random-numbers",

@@ -52,13 +52,12 @@ impl Query {
         let [camera, emission_a, emission_w, choice_a] =
             [self.camera_density, self.emission_a, self.emission_w, self.choice_a].map(f64::from);
         let is_delta = |vertex: usize| self.delta[vertex] != 0.0;
-        // A delta vertex goes on with the same probability either way: it drops out of all ratios.
-        let pdf = |values: &[f32; MOST], vertex: usize| if is_delta(vertex) { 1.0 } else { at(values, vertex) };
+        // Densities of a delta vertex leave out the same infinite factor either way: it drops out of all ratios.
         let to_far = |edge: usize| at(&self.far_cosine, edge) / at(&self.distance2, edge);
         let to_near = |edge: usize| at(&self.near_cosine, edge) / at(&self.distance2, edge);
         let from_camera = |t: usize| -> f64 {
             let later: f64 =
-                (1..t.saturating_sub(1)).map(|vertex| pdf(&self.to_light, vertex) * to_far(vertex)).product();
+                (1..t.saturating_sub(1)).map(|vertex| at(&self.to_light, vertex) * to_far(vertex)).product();
             if t < 2 { 1.0 } else { camera * to_far(0) * later }
         };
         let from_light = |s: usize| match s {
@@ -66,7 +65,7 @@ impl Query {
             1 if n == 2 => emission_a,
             1 => choice_a,
             _ => {
-                let later = (n - s + 1..n - 1).map(|vertex| pdf(&self.to_camera, vertex) * to_near(vertex - 1));
+                let later = (n - s + 1..n - 1).map(|vertex| at(&self.to_camera, vertex) * to_near(vertex - 1));
                 emission_a * emission_w * to_near(n - 2) * later.product::<f64>()
             }
         };

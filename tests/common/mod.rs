@@ -46,14 +46,14 @@ pub fn check_gpu(gpu: &Gpu) -> lumbre::error::Result<()> {
     gpu.take_validation_messages().into_iter().next().map_or(Ok(()), |message| Err(Error::Validation(message)))
 }
 
-/// Rows of `lumbre verify` in their full form, on every backend: prints each figure, and fails with those beyond their bounds.
+/// Rows of `lumbre verify` in their long form, on every backend: prints each figure, and fails with those beyond their bounds.
 pub fn verify(names: &[&str]) {
     let mut broken = Vec::new();
     with_gpu(|gpu| {
         let backends = backends(gpu);
         for case in names.iter().map(|name| lumbre::verify::find(name).unwrap()) {
             for backend in lumbre::verify::measured_on(case, &backends) {
-                let outcome = lumbre::verify::measure(gpu, case, backend, Effort::Full, None).unwrap();
+                let outcome = lumbre::verify::measure(gpu, case, backend, Effort::Long, None).unwrap();
                 for figure in outcome.figures {
                     let line = format!("{} on {}: {figure:?}", case.name, backend.name());
                     println!("{line}");

@@ -64,8 +64,9 @@ impl Canvas {
 /// Both pyramids; nothing where the film has no strategies.
 pub(super) fn pyramid(film: &Film) -> Option<Image> {
     let rows = film.strategies.iter().map(|layers| layers.strategy.segments()).max()? as usize;
+    let columns = film.strategies.iter().map(|layers| layers.strategy.s).max()? as usize + 1;
     let (cell_width, cell_height) = (film.width as usize + GAP, film.height as usize + LABEL + GAP);
-    let side = (rows + 1) * cell_width;
+    let side = columns * cell_width;
     let (width, height) = (2 * side + 3 * GAP, rows * cell_height + GAP);
     let ground = Image { width: width as u32, height: height as u32, pixels: vec![GROUND; width * height] };
     let mut canvas = Canvas(ground);

@@ -4,7 +4,7 @@ use super::scenes::SPHERES;
 use super::*;
 use crate::lecture::run::average;
 use crate::lecture::sheet::figure_of_percent;
-use crate::strategies::Strategy;
+use crate::strategies::Strategies;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "strategies",
@@ -43,6 +43,7 @@ fn pyramids(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     let shot = SPHERES.shot("bdpt").samples(256).size(SIDE, SIDE).with(&options);
     let run = lab.render("strategies", shot)?;
     let total = average(&run.image);
+    let strategies = Strategies { longest: LONGEST, lens: false };
     for (kind, suffix, heading, what) in [
         (
             "alone",
@@ -56,7 +57,7 @@ fn pyramids(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
         let mut rows: Vec<Vec<Cell>> = Vec::new();
         for segments in 1..=LONGEST {
             let mut row = Vec::new();
-            for strategy in Strategy::up_to(LONGEST).filter(|strategy| strategy.segments() == segments) {
+            for strategy in strategies.all().filter(|strategy| strategy.segments() == segments) {
                 let layer = run.layer(&format!("{}{suffix}", strategy.name()))?;
                 let title = format!("s={}, t={}", strategy.s, strategy.t);
                 let alt = what.map(|what| format!("{title}, {what}"));
