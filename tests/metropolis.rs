@@ -7,10 +7,9 @@
 mod common;
 
 use common::room::{LAMP, room, scene};
-use common::{assert_same_mean, canon, largest_z, render, settings, tile_average, verify, with_gpu};
+use common::{assert_same_mean, canon, films, largest_z, render, settings, tile_average, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
-use lumbre::gpu::Gpu;
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
@@ -25,19 +24,6 @@ const MATTE: &str = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.
 
 fn small(scene: &Scene, technique: &str) -> Settings {
     Settings { width: SIZE, height: SIZE, ..settings(scene, technique, Backend::Bvh) }
-}
-
-/// The films of so many seeds from that of the settings on.
-fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32) -> Vec<Film> {
-    let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
-    let film = |seed| {
-        renderer.restart(seed).unwrap();
-        while renderer.advance(spp).unwrap() {}
-        let film = renderer.film().unwrap();
-        assert_eq!(film.nonfinite, 0, "{:?}", film.bad_samples);
-        film
-    };
-    (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
 /// All forms against an independent technique, tile by tile. Tiles of one seed's image hang together, so the mean of each is taken

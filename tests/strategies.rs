@@ -5,7 +5,7 @@
 mod common;
 
 use common::room::{LAMP, room, scene};
-use common::{canon, render, settings, verify, with_gpu};
+use common::{backends, canon, films, settings, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -22,11 +22,6 @@ fn weights_are_those_of_the_definition() {
     verify(&["mis-weights", "path-weights"]);
 }
 
-/// Films of different seeds.
-fn over_seeds(gpu: &Gpu, scene: &Scene, settings: &Settings, first: u32, spp: u32) -> Vec<Film> {
-    (first..first + SEEDS).map(|seed| render(gpu, scene, &Settings { seed, ..settings.clone() }, spp)).collect()
-}
-
 /// The mean of what these have, and its variance.
 fn estimate(films: &[Film], of: impl Fn(&Film) -> f64) -> Estimate {
     Estimate::of(&films.iter().map(of).collect::<Vec<f64>>())
@@ -35,38 +30,40 @@ fn estimate(films: &[Film], of: impl Fn(&Film) -> f64) -> Estimate {
 /// Each strategy by itself brings all light of its path length, where all surfaces are matte, as `path` does; all of them weighted sum to the
 /// image, sample by sample, and are in the mean what the technique gives without layers. `noise` is the most that the standard deviation of a
 /// strategy may be.
-fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64) {
+fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64, on: fn(&Gpu) -> Vec<Backend>) {
     with_gpu(|gpu| {
         let lengths = Settings { lengths: LONGEST, max_depth: Some(LONGEST), ..settings(scene, "path", Backend::Bvh) };
-        let truth = over_seeds(gpu, scene, &lengths, 100, 2 * spp);
+        let truth = films(gpu, scene, &Settings { seed: 100, ..lengths }, SEEDS, 2 * spp);
         let strategies = Strategies::of(LONGEST, scene.camera(None).unwrap());
         let count = strategies.all().count();
         let image = estimate(&truth, |film| film.average()[1]);
-        let plain = Settings { max_depth: Some(LONGEST), ..settings(scene, "bdpt", Backend::Bvh) };
-        let layered = Settings { strategies: Some(strategies), ..plain.clone() };
-        let films = over_seeds(gpu, scene, &layered, 0, spp);
-        for (index, strategy) in strategies.all().enumerate() {
-            let found = estimate(&films, |film| film.image_of(&film.strategies[index].unweighted).average()[1]);
-            let truth = estimate(&truth, |film| film.length(strategy.segments() as usize - 1).average()[1]);
-            // Of the strategy's light, or of the hundredth part of all where it has less.
-            let (z, sigma) = (found.z(&truth), found.variance.sqrt() / found.mean.max(0.01 * image.mean));
-            let name = format!("{what}, {}", strategy.name());
-            println!("{name}: {:.6}, sigma {:.2} %, z {z:.2}", found.mean, 100.0 * sigma);
-            assert!(two_sided_p(z) > sidak(0.01, count), "{name}: z {z}");
-            assert!(sigma < noise, "{name}: sigma {sigma} is too coarse");
-        }
-        // Layers have a shadow ray for each connection, the technique by itself one for all.
-        let (found, alone) = (&films, over_seeds(gpu, scene, &plain, 50, spp));
-        let [found, alone] = [found, &alone].map(|films| estimate(films, |film| film.average()[1]));
-        println!("{what}: {:.6} weighted, {:.6} without layers", found.mean, alone.mean);
-        assert!(found.z(&alone).abs() < 3.5, "{found:?} against {alone:?}");
-        assert!(found.variance.sqrt() < 2e-3 * found.mean, "{found:?}: too coarse");
-        let (film, image) = (&films[0], films[0].mean());
-        let weighted: Vec<_> = film.strategies.iter().map(|layers| film.image_of(&layers.weighted)).collect();
-        for (pixel, whole) in image.pixels.iter().enumerate() {
-            for (channel, whole) in whole.iter().enumerate() {
-                let sum: f64 = weighted.iter().map(|layer| f64::from(layer.pixels[pixel][channel])).sum();
-                assert!((sum - f64::from(*whole)).abs() <= 1e-5 * f64::from(*whole).max(1e-3), "pixel {pixel}");
+        for backend in on(gpu) {
+            let plain = Settings { max_depth: Some(LONGEST), ..settings(scene, "bdpt", backend) };
+            let layered = Settings { strategies: Some(strategies), ..plain.clone() };
+            let layered = films(gpu, scene, &layered, SEEDS, spp);
+            for (index, strategy) in strategies.all().enumerate() {
+                let found = estimate(&layered, |film| film.image_of(&film.strategies[index].unweighted).average()[1]);
+                let truth = estimate(&truth, |film| film.length(strategy.segments() as usize - 1).average()[1]);
+                // Of the strategy's light, or of the hundredth part of all where it has less.
+                let (z, sigma) = (found.z(&truth), found.variance.sqrt() / found.mean.max(0.01 * image.mean));
+                let name = format!("{what}, {} on {}", strategy.name(), backend.name());
+                println!("{name}: {:.6}, sigma {:.2} %, z {z:.2}", found.mean, 100.0 * sigma);
+                assert!(two_sided_p(z) > sidak(0.01, count), "{name}: z {z}");
+                assert!(sigma < noise, "{name}: sigma {sigma} is too coarse");
+            }
+            // Layers have a shadow ray for each connection, the technique by itself one for all.
+            let (found, alone) = (&layered, films(gpu, scene, &Settings { seed: 50, ..plain }, SEEDS, spp));
+            let [found, alone] = [found, &alone].map(|films| estimate(films, |film| film.average()[1]));
+            println!("{what} on {}: {:.6} weighted, {:.6} without layers", backend.name(), found.mean, alone.mean);
+            assert!(found.z(&alone).abs() < 3.5, "{found:?} against {alone:?}");
+            assert!(found.variance.sqrt() < 2e-3 * found.mean, "{found:?}: too coarse");
+            let (film, image) = (&layered[0], layered[0].mean());
+            let weighted: Vec<_> = film.strategies.iter().map(|layers| film.image_of(&layers.weighted)).collect();
+            for (pixel, whole) in image.pixels.iter().enumerate() {
+                for (channel, whole) in whole.iter().enumerate() {
+                    let sum: f64 = weighted.iter().map(|layer| f64::from(layer.pixels[pixel][channel])).sum();
+                    assert!((sum - f64::from(*whole)).abs() <= 1e-5 * f64::from(*whole).max(1e-3), "pixel {pixel}");
+                }
             }
         }
     });
@@ -75,10 +72,11 @@ fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64
 #[test]
 fn in_the_cornell_box() {
     let scene = canon("cornell.xml", &[("size", "32")]);
-    each_brings_all_of_its_length("cornell", &scene, 256, 0.02);
+    each_brings_all_of_its_length("cornell", &scene, 256, 0.02, backends);
 }
 
-/// Through a lens, which paths from the light run into (t = 0), and with filters wider than a pixel.
+/// Through a lens, which paths from the light run into (t = 0), and with filters wider than a pixel. One backend is enough: layers know
+/// nothing of rays.
 #[test]
 fn to_a_lens() {
     let sensor = "<sensor type='thinlens'><float name='fov' value='40'/><float name='aperture_radius' value='1.5'/>
@@ -88,5 +86,5 @@ fn to_a_lens() {
     let scene = scene(&[sensor, &room(matte, matte), LAMP].concat());
     let strategies = Strategies::of(LONGEST, scene.camera(None).unwrap());
     assert_eq!(strategies.all().filter(|strategy| strategy.t == 0).count(), 3);
-    each_brings_all_of_its_length("a lens", &scene, 384, 0.05);
+    each_brings_all_of_its_length("a lens", &scene, 384, 0.05, |_| vec![Backend::Bvh]);
 }

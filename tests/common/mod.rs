@@ -16,7 +16,7 @@ use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
 use lumbre::integrator::{Integrator, Kept};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
-use lumbre::render::{Settings, Technique};
+use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
 use lumbre::verify::{Effort, Verdict};
 
@@ -109,6 +109,19 @@ pub fn render(gpu: &Gpu, scene: &Scene, settings: &Settings, spp: u32) -> Film {
     let name = settings.technique.describe();
     assert_eq!(film.nonfinite, 0, "{name} on {}: {:?}", settings.backend.name(), film.bad_samples);
     film
+}
+
+/// The films of so many seeds from that of the settings on, all by the same kernels; no sample was dropped.
+pub fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32) -> Vec<Film> {
+    let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
+    let film = |seed| {
+        renderer.restart(seed).unwrap();
+        while renderer.advance(spp).unwrap() {}
+        let film = renderer.film().unwrap();
+        assert_eq!(film.nonfinite, 0, "{:?}", film.bad_samples);
+        film
+    };
+    (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
 /// The mean over all pixels and its variance, per channel, from the film's own variance.
