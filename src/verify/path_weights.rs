@@ -130,11 +130,25 @@ struct Layers(HashMap<(u32, u32), StrategyLayers>);
 impl Layers {
     /// The weight that a strategy has in a pixel; nothing where it brings too little there for layers to tell, which hold multiples of
     /// a small unit.
-    fn weight(&self, Strategy { s, t }: Strategy, pixel: f32) -> Option<f64> {
+    fn weight(&self, Strategy { s, t }: Strategy, pixel: f32) -> Option<Weight> {
         let layers = self.0.get(&(s, t))?;
         let [alone, weighted] = [&layers.unweighted, &layers.weighted].map(|sums| sums[pixel as usize][1]);
-        (alone > LEAST).then(|| weighted / alone)
+        (alone > LEAST).then(|| Weight { value: weighted / alone, is_exact: weighted > LEAST })
     }
+}
+
+/// A weight, and whether the layers tell it to single precision, however small it is.
+struct Weight {
+    value: f64,
+    is_exact: bool,
+}
+
+/// How far weights are off their definitions at most, also as shares of these, and how many were compared.
+#[derive(Default)]
+struct Found {
+    off: Worst,
+    off_share: Worst,
+    count: usize,
 }
 
 /// Brought by a strategy, this is a million of the film's units in this room, whose lamp has a radiance of 1.
@@ -161,7 +175,7 @@ fn shown(answers: &[Answer]) -> HashMap<(u32, u32, u32), Vec<Vertices>> {
 }
 
 /// The weights of one sample's paths, through a camera and by a heuristic, in a room of this scale.
-fn measured(run: &mut Run, view: View, scale: f64, (heuristic, exponent): Heuristic) -> Result<(Worst, usize)> {
+fn measured(run: &mut Run, view: View, scale: f64, (heuristic, exponent): Heuristic) -> Result<Found> {
     let scene = room(view, scale)?;
     let strategies = Strategies::of(LONGEST, scene.camera(None)?);
     let technique = format!("bdpt:weights={heuristic}");
@@ -177,7 +191,7 @@ fn measured(run: &mut Run, view: View, scale: f64, (heuristic, exponent): Heuris
     let pixels = settings.width * settings.height;
     let answers: Vec<Answer> =
         Probe::new(run.gpu, &scene, &settings, "test/joined_paths")?.run(&vec![0u32; pixels as usize])?;
-    let (mut worst, mut count) = (Worst::default(), 0);
+    let mut found = Found::default();
     let mut see = |strategy: Strategy, pixel: f32, vertices: &[[f32; 4]]| {
         let Some(weight) = layers.weight(strategy, pixel) else { return };
         let unit: Vertices = vertices
@@ -188,10 +202,13 @@ fn measured(run: &mut Run, view: View, scale: f64, (heuristic, exponent): Heuris
             })
             .collect();
         let Some(expected) = defined(&unit, strategy, view, exponent) else { return };
-        count += 1;
-        worst.see((weight - expected).abs(), || {
-            format!("{}, pixel {pixel}: {weight} against {expected}", strategy.name())
-        });
+        let off = (weight.value - expected).abs();
+        let place = || format!("{}, pixel {pixel}: {} against {expected}", strategy.name(), weight.value);
+        found.count += 1;
+        found.off.see(off, place);
+        if weight.is_exact {
+            found.off_share.see(off / expected, place);
+        }
     };
     for answer in &answers {
         for strategy in strategies.all().filter(|strategy| strategy.t > 1) {
@@ -206,7 +223,7 @@ fn measured(run: &mut Run, view: View, scale: f64, (heuristic, exponent): Heuris
             see(Strategy { s, t }, pixel as f32, path);
         }
     }
-    Ok((worst, count))
+    Ok(found)
 }
 
 /// The weight of a strategy for a path, by definition; nothing where single precision tells too little of the path.
@@ -235,12 +252,14 @@ pub(super) fn path_weights(run: &mut Run) -> Result<()> {
         ]);
     }
     for (camera, view, scale, heuristic) in rooms {
-        let (worst, count) = measured(run, view, scale, heuristic)?;
+        let found = measured(run, view, scale, heuristic)?;
         let technique = format!("bdpt:weights={}", heuristic.0);
+        let what = |what: &str| format!("{camera}, scale {scale}: {what}");
         // What single precision loses of a density counts as often as the heuristic multiplies by it.
-        let bound = 1e-5 * f64::from(heuristic.1.max(1));
-        run.note(worst.figure(&technique, format!("{camera}, scale {scale}: a weight off its definition"), bound));
-        run.note(Figure::told(&technique, format!("{camera}, scale {scale}: paths compared"), count as f64));
+        let times = f64::from(heuristic.1.max(1));
+        run.note(found.off.figure(&technique, what("a weight off its definition"), 1e-5 * times));
+        run.note(found.off_share.figure(&technique, what("the same as a share of the weight"), 5e-5 * times));
+        run.note(Figure::told(&technique, what("paths compared"), found.count as f64));
     }
     Ok(())
 }

@@ -236,7 +236,7 @@ pub const CASES: &[Case] = &[
     Case {
         name: "path-weights",
         tests: "weights of the paths that bdpt makes in a room with a mirror, metal and water, 2e-4 to 2e4 units wide, to a pinhole and a lens",
-        bound: "1e-5, of the power heuristic 2e-5",
+        bound: "1e-5, as a share of the weight 5e-5; twice that of the power heuristic",
         source: "densities of all strategies in double precision, solid angles by neighbouring rays",
         on: On::Once,
         measure: path_weights::path_weights,
