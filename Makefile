@@ -11,7 +11,13 @@ export LUMBRE_TEST_BACKENDS ?= all
 # Where set-up has brought Chromium, the test of the report must find it.
 BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
 
-.PHONY: demo build test quick bench lecture soak clean
+# All tests: beside each other, each in a process of its own, where cargo-nextest is there. Compiling a kernel takes one core alone.
+HAS_NEXTEST = $(CARGO) nextest --version >/dev/null 2>&1
+TESTS = if $(HAS_NEXTEST); \
+	then $(BROWSER) $(CARGO) nextest run $(if $(IGNORED),--run-ignored all) && $(CARGO) test --doc; \
+	else $(BROWSER) $(CARGO) test $(if $(IGNORED),-- --include-ignored); fi
+
+.PHONY: demo build test quick thorough bench lecture soak clean
 
 demo: build
 	@mkdir -p out
@@ -26,12 +32,18 @@ test:
 	$(CARGO) fmt --check
 	$(CARGO) clippy --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
-	$(BROWSER) $(CARGO) test
+	@$(TESTS)
 
 # The tests alone, for the loop of edit and try.
 quick:
 	@.ci/setup test
-	$(BROWSER) $(CARGO) test
+	@$(TESTS)
+
+# With the tests that take minutes each, which `make test` leaves out: two hours on two cores.
+thorough: IGNORED = yes
+thorough:
+	@.ci/setup test
+	@$(TESTS)
 
 # Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
 bench: build

@@ -99,24 +99,30 @@ fn blank(width: u32, height: u32, count: u64) -> Film {
     Film { width, height, counts: vec![count; pixels], sums: zero.clone(), squares: zero, ..Film::default() }
 }
 
-/// In `door_ajar` there is light that only chance finds: chains need their million candidates there.
 #[test]
 fn the_canon() {
     for (name, forms, reference, runs) in [
         ("cornell.xml", &FORMS[..], "path", [40, 24]),
         ("cornell_spheres.xml", &FORMS[..2], "bdpt", [40, 24]),
-        ("door_ajar.xml", &FORMS[..1], "bdpt", [40, 48]),
-        ("door_ajar.xml", &["mlt:form=multiplexed", "mlt:form=paths"], "bdpt", [16, 120]),
         ("bidirectional_room.xml", &FORMS[1..], "bdpt", [40, 24]),
     ] {
         agree(forms, name, &canon(name, &[]), reference, runs, |_| {});
     }
 }
 
+/// There is light in `door_ajar` that only chance finds: chains need their million candidates there.
+#[test]
+#[ignore = "six minutes: `make thorough` runs it"]
+fn light_that_only_chance_finds() {
+    let scene = canon("door_ajar.xml", &[]);
+    agree(&FORMS[..1], "door_ajar.xml", &scene, "bdpt", [40, 48], |_| {});
+    agree(&["mlt:form=multiplexed", "mlt:form=paths"], "door_ajar.xml", &scene, "bdpt", [16, 120], |_| {});
+}
+
 /// Every scene there is, every form, against the technique whose paths it takes: how far tiles are off in standard deviations of both
 /// (Welch 1947), and the whole image. docs/metropolis.md has what is apart, and why. `LUMBRE_TEST_SCENE` asks for those whose name begins so.
 #[test]
-#[ignore = "half an hour; docs/metropolis.md has its figures"]
+#[ignore = "half an hour: `make thorough` runs it; docs/metropolis.md has its figures"]
 fn the_whole_canon() {
     const SCENES: [&str; 14] = [
         "cornell.xml",
@@ -257,6 +263,7 @@ fn every_camera_and_filter() {
 
 /// However many chains share the same number of mutations, the mean is right.
 #[test]
+#[ignore = "three minutes: `make thorough` runs it, and every `make test` its short form"]
 fn starting_up_leaves_no_bias() {
     verify(&["mlt-start"]);
 }
