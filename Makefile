@@ -41,6 +41,7 @@ quick:
 
 # With the tests that take minutes each, which `make test` leaves out: two hours on two cores.
 thorough: IGNORED = yes
+thorough: export LUMBRE_TEST_THOROUGH = 1
 thorough:
 	@.ci/setup test
 	@$(TESTS)

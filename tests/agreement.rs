@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::{assert_same_mean, average, backends, canon, films, render, settings, with_gpu};
+use common::{assert_same_mean, average, backends, backends_in_time, canon, films, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -199,7 +199,7 @@ fn samplers_agree() {
 fn frames_and_repetition_change_no_bit() {
     let scene = canon("cornell_spheres.xml", &[("size", "40")]);
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             for row in INTEGRATORS {
                 let settings = settings(&scene, row.name, backend);
                 let [whole, other] = &films(gpu, &scene, &settings, 2, 24)[..] else { unreachable!() };

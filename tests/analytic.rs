@@ -1,11 +1,10 @@
-//! Every technique that can solve a case, on every backend, against what is known in closed form: rows of `lumbre verify` in their long
-//! form, and what is none of them.
+//! Every technique that can solve a case against what is known in closed form: rows of `lumbre verify`, and what is none of them.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod common;
 
-use common::{average, backends, backends_for, canon, render, settings, verify, with_gpu};
+use common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::render::Technique;
@@ -65,7 +64,7 @@ fn compensated_spheres_disappear_under_a_white_sky() {
             };
             let (full, plain) = (scene(true), scene(false));
             for row in thorough(&full) {
-                for backend in backends_for(gpu, row) {
+                for backend in backends_in_time(gpu) {
                     let mean = |scene: &Scene, spp: u32| {
                         let mut settings = settings(scene, row.name, backend);
                         (settings.width, settings.height) = (32, 32);

@@ -5,7 +5,7 @@
 mod common;
 
 use common::room::{LAMP, material_pairs, room, scene};
-use common::{assert_same_mean, canon, render, settings, verify, with_gpu};
+use common::{assert_same_mean, canon, render, settings, thorough, verify, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::layout::Layered;
@@ -87,6 +87,10 @@ fn lights_within_what_absorbs() {
         ("a lamp beside", false, true, outside),
         ("both, from within", true, true, DVec3::new(0.0, 1.1, 0.6)),
     ] {
+        // The last one has both.
+        if what == "a lamp beside" && !thorough() {
+            continue;
+        }
         let mut builder = SceneBuilder::new(what);
         let floor = builder.matte([0.6, 0.5, 0.4]);
         builder.parallelogram(DVec3::new(-4.0, 0.0, -4.0), DVec3::Z * 8.0, DVec3::X * 8.0, floor);

@@ -173,7 +173,10 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let truth = tile_average(&film, [0, 0, 32, 32])[1];
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
         // They divide the 1024 mutations of a sample, or are divided by them.
-        let counts = vec![(103, 32), (1024, 32), (10_240, 32), (102_400, 32), (1_048_576, 32)];
+        let mut counts = vec![(103, 32), (10_240, 32), (1_048_576, 32)];
+        if run.is_long() {
+            counts.extend([(1024, 32), (102_400, 32)]);
+        }
         for (chains, seeds) in run.pick(counts, vec![(1024, 16)]) {
             let technique = format!("mlt:form={form}:chains={chains}:candidates=65536");
             let settings = limited(run.settings(&scene, &technique)?);

@@ -275,7 +275,7 @@ pub const CASES: &[Case] = &[
     },
     Case {
         name: "mlt-start",
-        tests: "each form of mlt, 32 seeds of 10^2, 10^3, 10^4, 10^5 and 10^6 chains at a fixed number of mutations",
+        tests: "each form of mlt, 32 seeds of 10^2, 10^4 and 10^6 chains at a fixed number of mutations",
         bound: "2.8 sigma: 2 for all together; 1.5 %",
         source: "path",
         on: On::Once,

@@ -14,7 +14,6 @@ use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::Error;
 use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
-use lumbre::integrator::{Integrator, Kept};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
@@ -46,14 +45,26 @@ pub fn check_gpu(gpu: &Gpu) -> lumbre::error::Result<()> {
     gpu.take_validation_messages().into_iter().next().map_or(Ok(()), |message| Err(Error::Validation(message)))
 }
 
-/// Rows of `lumbre verify` in their long form, on every backend: prints each figure, and fails with those beyond their bounds.
+/// Whether there is time for everything (`make thorough`): on two slow cores that is more than two hours, most of which the driver spends on kernels.
+pub fn thorough() -> bool {
+    std::env::var_os("LUMBRE_TEST_THOROUGH").is_some()
+}
+
+/// Every backend where there is time, else `bvh`: for what each technique does alike through either, which tests/agreement.rs and the short
+/// forms of `lumbre verify` (tests/verify.rs) hold it to every time.
+pub fn backends_in_time(gpu: &Gpu) -> Vec<Backend> {
+    if thorough() { backends(gpu) } else { vec![Backend::Bvh] }
+}
+
+/// Rows of `lumbre verify` in their full form, and in their long one where there is time: prints each figure, and fails with those beyond their bounds.
 pub fn verify(names: &[&str]) {
     let mut broken = Vec::new();
+    let effort = if thorough() { Effort::Long } else { Effort::Full };
     with_gpu(|gpu| {
-        let backends = backends(gpu);
+        let backends = backends_in_time(gpu);
         for case in names.iter().map(|name| lumbre::verify::find(name).unwrap()) {
             for backend in lumbre::verify::measured_on(case, &backends) {
-                let outcome = lumbre::verify::measure(gpu, case, backend, Effort::Long, None).unwrap();
+                let outcome = lumbre::verify::measure(gpu, case, backend, effort, None).unwrap();
                 for figure in outcome.figures {
                     let line = format!("{} on {}: {figure:?}", case.name, backend.name());
                     println!("{line}");
@@ -78,12 +89,6 @@ pub fn backends(gpu: &Gpu) -> Vec<Backend> {
         eprintln!("not tested: {}: {why}", backend.name());
     }
     there
-}
-
-/// Those that a test of the canon's many scenes runs a technique on. Paths from the lights trace rays by the functions that paths from the
-/// camera use: one backend is enough for them, and tests/agreement.rs has all.
-pub fn backends_for(gpu: &Gpu, row: &Integrator) -> Vec<Backend> {
-    if row.splats || row.kept != Kept::Nothing { vec![Backend::Bvh] } else { backends(gpu) }
 }
 
 /// A file in `scenes/`.
