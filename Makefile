@@ -11,11 +11,14 @@ export LUMBRE_TEST_BACKENDS ?= all
 # Where set-up has brought Chromium, the test of the report must find it.
 BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
 
+# Finds what docs/metropolis.md says of light that only chance finds: to be run by hand.
+KNOWN = the_whole_canon
+
 # All tests: beside each other, each in a process of its own, where cargo-nextest is there. Compiling a kernel takes one core alone.
 HAS_NEXTEST = $(CARGO) nextest --version >/dev/null 2>&1
 TESTS = if $(HAS_NEXTEST); \
-	then $(BROWSER) $(CARGO) nextest run $(if $(IGNORED),--run-ignored all) && $(CARGO) test --doc; \
-	else $(BROWSER) $(CARGO) test $(if $(IGNORED),-- --include-ignored); fi
+	then $(BROWSER) $(CARGO) nextest run $(if $(IGNORED),--run-ignored all -E 'not test($(KNOWN))') && $(CARGO) test --doc; \
+	else $(BROWSER) $(CARGO) test $(if $(IGNORED),-- --include-ignored --skip $(KNOWN)); fi
 
 .PHONY: demo build test quick thorough bench lecture soak clean
 

@@ -103,8 +103,8 @@ fn paths_from_the_lights_agree(name: &str, defines: &[(&str, &str)], spp: u32, p
             }
             let mut first: Option<Film> = None;
             // Its kernels are those of `vcm`, which compare the backends: half of a minute each in the largest scenes.
-            let compared = if technique == "vcm:form=bpt" { 1 } else { usize::MAX };
-            for backend in backends(gpu).into_iter().take(compared) {
+            let compared = if technique == "vcm:form=bpt" { backends_in_time(gpu) } else { backends(gpu) };
+            for backend in compared {
                 let found = film(technique, backend, seed, if technique == "photon" { 4 * spp } else { spp });
                 let what = format!("{name}: {technique} on {}", backend.name());
                 if row.row.bias == Bias::Unbiased || technique == "vcm:form=bpt" {
@@ -199,7 +199,7 @@ fn samplers_agree() {
 fn frames_and_repetition_change_no_bit() {
     let scene = canon("cornell_spheres.xml", &[("size", "40")]);
     with_gpu(|gpu| {
-        for backend in backends_in_time(gpu) {
+        for backend in backends(gpu) {
             for row in INTEGRATORS {
                 let settings = settings(&scene, row.name, backend);
                 let [whole, other] = &films(gpu, &scene, &settings, 2, 24)[..] else { unreachable!() };

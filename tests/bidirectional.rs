@@ -5,7 +5,7 @@
 mod common;
 
 use common::room::{LAMP, material_pairs, room, scene};
-use common::{assert_same_mean, canon, render, settings, thorough, verify, with_gpu};
+use common::{assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::layout::Layered;
@@ -88,7 +88,7 @@ fn lights_within_what_absorbs() {
         ("both, from within", true, true, DVec3::new(0.0, 1.1, 0.6)),
     ] {
         // The last one has both.
-        if what == "a lamp beside" && !thorough() {
+        if what == "a lamp beside" && !has_time() {
             continue;
         }
         let mut builder = SceneBuilder::new(what);

@@ -6,7 +6,7 @@
 mod common;
 
 use common::room::{LAMP, material_pairs, room, scene};
-use common::{average, canon, render, settings, thorough, with_gpu};
+use common::{average, canon, has_time, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -264,15 +264,14 @@ fn every_material_and_light() {
     for (a, b) in material_pairs() {
         rooms.push((format!("{} and {}", a.0, b.0), [&room(a.1, b.1), LAMP].concat()));
     }
-    if !thorough() {
-        rooms.truncate(4);
-    }
+    let [rooms_here, by_photon] = if has_time() { [rooms.len(), 4] } else { [4, 2] };
+    rooms.truncate(rooms_here);
     with_gpu(|gpu| {
         for (index, (name, elements)) in rooms.into_iter().enumerate() {
             let scene = scene(&[CAMERA, &elements].concat());
             let truth = film(gpu, &scene, "path", 1000, 1024);
             // vcm has all that photon has, and more.
-            for technique in if index < 2 { &["vcm", "photon"][..] } else { &["vcm"] } {
+            for technique in if index < by_photon { &["vcm", "photon"][..] } else { &["vcm"] } {
                 assert_off(&format!("{name}, {technique}"), &film(gpu, &scene, technique, 1, 256), &truth, 0.02);
             }
         }

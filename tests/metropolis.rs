@@ -121,7 +121,7 @@ fn light_that_is_hard_to_find() {
 /// Every scene there is, every form, against the technique whose paths it takes: how far tiles are off in standard deviations of both
 /// (Welch 1947), and the whole image. docs/metropolis.md has what is apart, and why. `LUMBRE_TEST_SCENE` asks for those whose name begins so.
 #[test]
-#[ignore = "half an hour: `make thorough` runs it; docs/metropolis.md has its figures"]
+#[ignore = "half an hour, and some scenes are known to be apart; docs/metropolis.md has its figures"]
 fn the_whole_canon() {
     const SCENES: [&str; 14] = [
         "cornell.xml",

@@ -9,7 +9,7 @@ mod common;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{backends, render, settings, with_gpu};
+use common::{backends, has_time, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::metrics::stats::{sidak, two_sided_p};
@@ -132,9 +132,15 @@ fn every_kind_agrees_with_mitsuba() {
 #[test]
 fn specialisation_changes_no_bit() {
     with_gpu(|gpu| {
-        for (name, technique, backend, energy_compensation) in
-            [("mask", "path-implicit", Backend::RayQuery, false), ("roughdielectric", "path", Backend::Bvh, true)]
-        {
+        let few =
+            [("mask", "path-implicit", Backend::RayQuery, false), ("roughdielectric", "path", Backend::Bvh, true)];
+        let more = [
+            ("mask", "path", Backend::Bvh, false),
+            ("directional", "path", Backend::Bvh, false),
+            ("normalmap", "path", Backend::RayQuery, false),
+        ];
+        let more = if has_time() { &more[..] } else { &[] };
+        for (name, technique, backend, energy_compensation) in few.iter().chain(more).copied() {
             if !backends(gpu).contains(&backend) {
                 continue;
             }

@@ -46,20 +46,20 @@ pub fn check_gpu(gpu: &Gpu) -> lumbre::error::Result<()> {
 }
 
 /// Whether there is time for everything (`make thorough`): on two slow cores that is more than two hours, most of which the driver spends on kernels.
-pub fn thorough() -> bool {
+pub fn has_time() -> bool {
     std::env::var_os("LUMBRE_TEST_THOROUGH").is_some()
 }
 
 /// Every backend where there is time, else `bvh`: for what each technique does alike through either, which tests/agreement.rs and the short
 /// forms of `lumbre verify` (tests/verify.rs) hold it to every time.
 pub fn backends_in_time(gpu: &Gpu) -> Vec<Backend> {
-    if thorough() { backends(gpu) } else { vec![Backend::Bvh] }
+    if has_time() { backends(gpu) } else { vec![Backend::Bvh] }
 }
 
 /// Rows of `lumbre verify` in their full form, and in their long one where there is time: prints each figure, and fails with those beyond their bounds.
 pub fn verify(names: &[&str]) {
     let mut broken = Vec::new();
-    let effort = if thorough() { Effort::Long } else { Effort::Full };
+    let effort = if has_time() { Effort::Long } else { Effort::Full };
     with_gpu(|gpu| {
         let backends = backends_in_time(gpu);
         for case in names.iter().map(|name| lumbre::verify::find(name).unwrap()) {
