@@ -13,6 +13,7 @@ add() { # scene, technique of the reference, seconds
     references+=(--reference "$file")
 }
 
-bench() { # techniques, seconds of a run, seeds
-    "$lumbre" bench "${scenes[@]}" "${references[@]}" -i "$1" --backend bvh -t "$2" --seeds "$3" --size "$size" -o "$out/page" --fresh
+bench() { # techniques, seconds of a run, seeds, folder of the page; forgets the scenes
+    "$lumbre" bench "${scenes[@]}" "${references[@]}" -i "$1" --backend bvh -t "$2" --seeds "$3" --size "$size" -o "$out/$4" --fresh
+    scenes=() references=()
 }

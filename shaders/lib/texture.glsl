@@ -27,48 +27,39 @@ vec4 load_texel(Texture t, ivec2 i) {
 // Where `uv` of a surface lies in the texture.
 vec2 texture_position(Texture t, vec2 uv) { return vec2(dot(t.row_u, vec3(uv, 1.0)), dot(t.row_v, vec3(uv, 1.0))); }
 
-// The four texels around a position and its fractions between them; texel centres are at half-integers.
+// Where a filter looks: its first texel, how far the position lies from that texel's centre towards the next ones (0 .. 1), and how
+// many texels it weighs: one, or the four around the position. Texel centres are at half-integers.
 struct Footprint {
-    vec4 t00, t10, t01, t11;
+    ivec2 corner;
     vec2 f;
+    uint texels;
 };
 
-Footprint texture_footprint(Texture t, vec2 position) {
-    vec2 p = position * vec2(t.width, t.height) - 0.5;
+Footprint texture_footprint(Texture t, vec2 position, bool nearest) {
+    vec2 p = position * vec2(t.width, t.height) - (nearest ? 0.0 : 0.5);
     vec2 corner = floor(p);
-    ivec2 i = ivec2(corner);
-    return Footprint(load_texel(t, i), load_texel(t, i + ivec2(1, 0)), load_texel(t, i + ivec2(0, 1)), load_texel(t, i + 1), p - corner);
+    return Footprint(ivec2(corner), nearest ? vec2(0.0) : p - corner, nearest ? 1u : 4u);
 }
 
-vec4 bilinear_value(Texture t, vec2 position) {
-    Footprint f = texture_footprint(t, position);
-    return mix(mix(f.t00, f.t10, f.f.x), mix(f.t01, f.t11, f.f.x), f.f.y);
-}
+// How many turns a loop over a footprint takes. GPUs take a number that their compiler knows and may unroll, so that the reads wait
+// together (a texel too many has weight 0); for a CPU driver it depends on data, as each copy of the loop's body is long to compile.
+uint texel_turns(Footprint f) { return UNROLL_TEXELS ? 4u : f.texels; }
 
-vec4 texture_value(Texture t, vec2 uv) {
-    vec2 position = texture_position(t, uv);
-    if (t.kind == TEXTURE_CHECKERBOARD) {
-        bvec2 half_way = greaterThan(fract(position), vec2(0.5));
-        return half_way.x == half_way.y ? t.scale : t.offset;
+ivec2 texel_of_turn(uint turn) { return ivec2(turn & 1u, turn >> 1u); }
+
+// The weights of a texel in both directions; their product is that of the bilinear filter.
+vec2 texel_weights(Footprint f, ivec2 texel) { return mix(1.0 - f.f, f.f, equal(texel, ivec2(1))); }
+
+vec4 filtered_value(Texture t, vec2 position) {
+    Footprint f = texture_footprint(t, position, (t.sampling & FILTER_NEAREST_BIT) != 0u);
+    vec4 value = vec4(0.0);
+    for (uint turn = 0u; turn < texel_turns(f); turn++) {
+        ivec2 texel = texel_of_turn(turn);
+        vec2 weights = texel_weights(f, texel);
+        value += weights.x * weights.y * load_texel(t, f.corner + texel);
     }
-    vec4 value;
-    if ((t.sampling & FILTER_NEAREST_BIT) != 0u) {
-        value = load_texel(t, ivec2(floor(position * vec2(t.width, t.height))));
-    } else {
-        value = bilinear_value(t, position);
-    }
-    return value * t.scale + t.offset;
+    return value;
 }
-
-Texture load_texture(uint index) { return Textures(scene.textures).at[index]; }
-
-// The channel that a scalar texture means.
-float texture_channel(Texture t, vec4 value) {
-    return t.channel < 4u ? value[t.channel] : dot(value.rgb, vec3(0.2126, 0.7152, 0.0722));
-}
-
-// Four values, or one, at texture coordinates of the surface; what is not textured is 1.
-vec4 texture_at(uint index, vec2 uv) { return index == NONE ? vec4(1.0) : texture_value(load_texture(index), uv); }
 
 // A level of detail as a texture of its own.
 Texture texture_level(Texture t, uint level) {
@@ -83,43 +74,58 @@ Texture texture_level(Texture t, uint level) {
 }
 
 // The mean over about a square of this side in the surface's texture coordinates, from the levels whose texels are next larger
-// and next smaller than it; 0 is the point itself.
-vec4 texture_mean(Texture t, vec2 uv, float side) {
-    if (t.levels < 2u || side == 0.0) return texture_value(t, uv);
+// and next smaller than it.
+vec4 levels_value(Texture t, vec2 position, float side) {
     float texels = side * sqrt(abs(t.row_u.x * t.row_v.y - t.row_u.y * t.row_v.x) * float(t.width) * float(t.height));
-    float level = clamp(log2(texels), 0.0, float(t.levels - 1u));
-    vec2 position = texture_position(t, uv);
+    float level = side == 0.0 ? 0.0 : clamp(log2(texels), 0.0, float(t.levels - 1u));
     uint finer = uint(level);
-    vec4 value = bilinear_value(texture_level(t, finer), position);
-    if (level > float(finer)) value = mix(value, bilinear_value(texture_level(t, finer + 1u), position), level - float(finer));
-    return value * t.scale + t.offset;
+    float coarser_share = level - float(finer);
+    vec4 value = vec4(0.0);
+    for (uint i = finer; i <= finer + (coarser_share > 0.0 ? 1u : 0u); i++) {
+        value += (i == finer ? 1.0 - coarser_share : coarser_share) * filtered_value(texture_level(t, i), position);
+    }
+    return value;
 }
 
-vec4 texture_at(uint index, vec2 uv, float side) {
-    if (!HAS_MIP_MAPS || index == NONE) return texture_at(index, uv);
-    return texture_mean(load_texture(index), uv, side);
+// The value where a path is `side` wide in the surface's texture coordinates; 0 is the point itself.
+vec4 texture_value(Texture t, vec2 uv, float side) {
+    vec2 position = texture_position(t, uv);
+    if (t.kind == TEXTURE_CHECKERBOARD) {
+        bvec2 half_way = greaterThan(fract(position), vec2(0.5));
+        return half_way.x == half_way.y ? t.scale : t.offset;
+    }
+    return (HAS_MIP_MAPS ? levels_value(t, position, side) : filtered_value(t, position)) * t.scale + t.offset;
 }
+
+Texture load_texture(uint index) { return Textures(scene.textures).at[index]; }
+
+// The channel that a scalar texture means.
+float texture_channel(Texture t, vec4 value) {
+    return t.channel < 4u ? value[t.channel] : dot(value.rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
+// Four values, or one, at texture coordinates of the surface; what is not textured is 1.
+vec4 texture_at(uint index, vec2 uv) { return index == NONE ? vec4(1.0) : texture_value(load_texture(index), uv, 0.0); }
 
 float texture_scalar(uint index, vec2 uv) {
     if (index == NONE) return 1.0;
     Texture t = load_texture(index);
-    return texture_channel(t, texture_value(t, uv));
-}
-
-float texture_scalar(uint index, vec2 uv, float side) {
-    if (!HAS_MIP_MAPS || index == NONE) return texture_scalar(index, uv);
-    Texture t = load_texture(index);
-    return texture_channel(t, texture_mean(t, uv, side));
+    return texture_channel(t, texture_value(t, uv, 0.0));
 }
 
 // Change of a scalar texture per unit of the surface's texture coordinates; that of bilinear interpolation, which is
-// piecewise smooth. A checkerboard has none.
+// piecewise smooth. A checkerboard has none, and neither has a single texel.
 vec2 texture_gradient(uint index, vec2 uv) {
     Texture t = load_texture(index);
     if (t.kind == TEXTURE_CHECKERBOARD) return vec2(0.0);
-    Footprint f = texture_footprint(t, texture_position(t, uv));
-    float a = texture_channel(t, f.t00 * t.scale), b = texture_channel(t, f.t10 * t.scale);
-    float c = texture_channel(t, f.t01 * t.scale), d = texture_channel(t, f.t11 * t.scale);
-    vec2 g = vec2(mix(b - a, d - c, f.f.y), mix(c - a, d - b, f.f.x)) * vec2(t.width, t.height);
+    Footprint f = texture_footprint(t, texture_position(t, uv), false);
+    if (t.width * t.height == 1u) f.texels = 0u;
+    vec2 g = vec2(0.0);
+    for (uint turn = 0u; turn < texel_turns(f); turn++) {
+        ivec2 texel = texel_of_turn(turn);
+        float value = texture_channel(t, load_texel(t, f.corner + texel) * t.scale);
+        g += value * vec2(2 * texel - 1) * texel_weights(f, texel).yx;
+    }
+    g *= vec2(t.width, t.height);
     return g.x * t.row_u.xy + g.y * t.row_v.xy;
 }

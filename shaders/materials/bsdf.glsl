@@ -38,6 +38,8 @@ struct Bsdf {
 
 bool is_kind(Bsdf b, bool present, uint kind) { return present && b.m.kind == kind; }
 
+#include "materials/properties.glsl"
+
 // The material at texture coordinates, where a path is `side` wide in them. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
 // mean, and no lobe of either needs to know the other.
 Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler random) {
@@ -59,30 +61,7 @@ Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler rand
     if (HAS_COLOURS && (b.m.flags & MATERIAL_HAS_COLOURS) != 0u) b.m.reflectance *= colour.rgb;
     if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
 
-    MaterialTextures t = TextureSets(scene.material_textures).at[b.m.textures];
-    b.m.reflectance *= texture_at(t.reflectance, uv, side).rgb;
-    if (t.transmittance != NONE) {
-        vec3 tint = texture_at(t.transmittance, uv, side).rgb;
-        b.m.transmittance *= tint;
-        if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) b.plastic.specular *= tint;
-    }
-    if (t.roughness != NONE) {
-        float factor = texture_scalar(t.roughness, uv);
-        bool perceptual = b.m.kind == MATERIAL_PRINCIPLED || b.m.kind == MATERIAL_LAYERED;
-        b.m.alpha_u = max(b.m.alpha_u * factor, perceptual ? 0.0 : 1e-4);
-        b.m.alpha_v = max(b.m.alpha_v * factor, perceptual ? 0.0 : 1e-4);
-    }
-    if (HAS_PRINCIPLED && t.metallic != NONE) b.principled.metallic *= texture_scalar(t.metallic, uv, side);
-    if (HAS_LAYERED && b.m.kind == MATERIAL_LAYERED) {
-        b.layered.metallic *= texture_scalar(t.metallic, uv, side);
-        b.layered.specular *= texture_scalar(b.layered.specular_texture, uv, side);
-        b.layered.specular_colour *= texture_at(b.layered.specular_colour_texture, uv, side).rgb;
-        b.layered.transmission *= texture_scalar(b.layered.transmission_texture, uv, side);
-        b.layered.clearcoat *= texture_scalar(b.layered.clearcoat_texture, uv, side);
-        b.layered.clearcoat_roughness *= texture_scalar(b.layered.clearcoat_roughness_texture, uv);
-        b.layered.sheen_colour *= texture_at(b.layered.sheen_colour_texture, uv, side).rgb;
-        b.layered.sheen_roughness *= texture_scalar(b.layered.sheen_roughness_texture, uv);
-    }
+    apply_textures(b, uv, side);
     return b;
 }
 

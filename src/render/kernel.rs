@@ -58,6 +58,7 @@ impl Kernel {
             filter: settings.filter.parameters().0,
             wide_loads: gpu.survey().kind == DeviceKind::Cpu,
             select_stack: gpu.survey().kind == DeviceKind::Cpu,
+            unroll_texels: gpu.survey().kind != DeviceKind::Cpu,
             stack_size: uploaded.stack_size,
             inline_count: uploaded.inline.len() as u32,
             sobol: settings.sampler == Sampler::Sobol,
