@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Speed against error of techniques with paths from the light, on rooms and on caustics: two pages in the folder that is given (out/light_paths
+# Speed against error of techniques with paths from the light, on rooms and on caustics: three pages in the folder that is given (out/light_paths
 # otherwise). Three quarters of an hour on two cores, which nothing else should use.
 set -euo pipefail
 out=$(realpath -m "${1:-out/light_paths}")
@@ -10,14 +10,15 @@ add cornell path 60
 add cornell_spheres bdpt 40
 add veach_mis bdpt 40
 add bidirectional_room bdpt 40
-# In single pixels the lamp shines through glass, one sample in some hundred.
-add caustic_small_light bdpt 300
 add ring_caustic vcm 120
 add reflected_caustic vcm 60
 add torus_in_glass vcm 60
 add small_vcm vcm 60
 bench path,light,bdpt,photon,vcm "${SECONDS_PER_RUN:-2}" 5 page
 
-# A few pixels of a carafe hold most of this room's error, so that it takes more seeds to tell techniques apart.
+# Where single pixels hold most of the error, it takes more seeds to tell techniques apart: of a caustic's room where the lamp shines through
+# glass, which one sample in some hundred finds, and of a carafe in the other.
+add caustic_small_light bdpt 300
+bench path,light,bdpt,photon,vcm "${SECONDS_PER_RUN:-2}" 32 page_caustic
 add door_ajar bdpt 120
 bench path,light,bdpt,photon,vcm 4 32 page_door_ajar

@@ -332,7 +332,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::DeltaCaustics],
         good_at: "most scenes: wherever the camera's paths can aim at the light",
         bad_at: "caustics, and lamps hidden in their fittings",
-        measured: "41 times `path-implicit` in `cornell`; 1/107 of `photon` in `torus_in_glass`, 1/83 of `bdpt` in \
+        measured: "41 times `path-implicit` in `cornell`; 1/182 of `photon` in `torus_in_glass`, 1/70 of `bdpt` in \
                    `bidirectional_room`",
         parameters: &[],
     },
@@ -372,7 +372,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::Unshowable],
         good_at: "caustics on matte surfaces, which the camera sees directly",
         bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
-        measured: "65 times `path` in `caustic_small_light`, 0.64 in `cornell`; 0.82 of the light of the former, 0.54 in \
+        measured: "61 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
                    `reflected_caustic`: the rest stays black",
         parameters: &[],
     },
@@ -389,7 +389,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[Missing::HiddenDeltaCaustics],
         good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
         bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
-        measured: "83 times `path` in `bidirectional_room`, 16 in `caustic_small_light`; 0.46 in `cornell`, 0.83 in \
+        measured: "70 times `path` in `bidirectional_room`, 96 in `caustic_small_light`; 0.52 in `cornell`, 1.0 in \
                    `torus_in_glass`",
         parameters: &[WEIGHTS],
     },
@@ -414,7 +414,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
         bad_at: "light that is easy to aim at: its samples take the longest",
-        measured: "65 times `path` in `ring_caustic`, 55 in `reflected_caustic`, 2.4 in `small_vcm`; 0.21 in `cornell`",
+        measured: "123 times `path` in `ring_caustic`, 110 in `reflected_caustic`, 1.8 in `small_vcm`; 0.23 in `cornell`",
         parameters: &[
             WEIGHTS,
             Parameter {
@@ -442,7 +442,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         misses: &[],
         good_at: "caustics, also as mirrors and glass show them",
         bad_at: "glossy surfaces, and light that is easy to aim at",
-        measured: "107 times `path` in `torus_in_glass`, 101 in `reflected_caustic`; 0.085 in `cornell`, 0.30 in `small_vcm`",
+        measured: "182 times `path` in `torus_in_glass`, 163 in `reflected_caustic`; 0.11 in `cornell`, 0.36 in `small_vcm`",
         parameters: &[
             Parameter {
                 name: "direct",

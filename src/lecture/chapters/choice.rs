@@ -27,12 +27,12 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             format!(
                 "Efficiency: twice as much reaches the same error in half the time. Below, that of each technique over that of path tracing, after {EQUAL_TIME} s \
                  each: above 1 it is better. The best of a room is bold. One rendering each: where path tracing finds the light by luck, its figure, \
-                 and so the ratios, are luck too; docs/light_paths.md has intervals over five seeds."
+                 and so the ratios, are luck too; docs/light_paths.md has intervals over five seeds or more."
             ),
             format!(
                 "Eficiencia: con el doble se llega al mismo error en la mitad de tiempo. Abajo, la de cada técnica entre la del trazado de caminos, tras {EQUAL_TIME} s cada \
                  una: por encima de 1 es mejor. La mejor de cada habitación va en negrita. Es un solo cálculo de cada una: donde el trazado de caminos encuentra la luz \
-                 por suerte, su cifra, y con ella los cocientes, también es suerte; docs/light_paths.md tiene intervalos sobre cinco semillas."
+                 por suerte, su cifra, y con ella los cocientes, también es suerte; docs/light_paths.md tiene intervalos sobre cinco semillas o más."
             ),
         ),
     );
