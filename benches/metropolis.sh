@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Speed against error of Metropolis light transport, in each form, with the techniques whose paths it takes: a page in the folder that is given
-# (out/metropolis otherwise). A quarter of an hour on two cores, which nothing else should use.
+# (out/metropolis otherwise). Twenty minutes on two cores, which nothing else should use.
 set -euo pipefail
 out=$(realpath -m "${1:-out/metropolis}")
 size=64x64
@@ -8,7 +8,7 @@ size=64x64
 
 add cornell bdpt 20
 add bidirectional_room bdpt 40
-add door_ajar bdpt 60
+add door_ajar path 240
 add ring_caustic vcm 60
 add torus_in_glass vcm 60
 bench path,bdpt,mlt:form=primary,mlt:form=multiplexed,mlt:form=paths "${SECONDS_PER_RUN:-3}" "${SEEDS:-6}" page

@@ -167,7 +167,7 @@ fn paths_from_the_lights_agree_on_veach_mis() {
 
 /// The case `shading-normals` of `lumbre verify` holds what bumps do to paths from the light in a scene of its own.
 #[test]
-#[ignore = "four minutes, most of which the driver spends on kernels: `make thorough` runs it"]
+#[ignore = "three minutes, most of which the driver spends on kernels: `make thorough` runs it"]
 fn paths_from_the_lights_agree_on_bumps() {
     paths_from_the_lights_agree("bumps.xml", &[], 64, 1024);
 }

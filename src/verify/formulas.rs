@@ -50,6 +50,7 @@ fn irradiance(run: &mut Run, what: &str, scene: &Scene, expected: f64) -> Result
         let (technique, spp) = match technique {
             "photon" => ("photon:direct=photons:radius=0.1", 3000),
             "vcm" => ("vcm:radius=0.05", 1000),
+            "vcm:form=bpm" => ("vcm:form=bpm:radius=0.1", 3000),
             other => (other, 9000),
         };
         let camera = Some(String::from("1"));
@@ -121,6 +122,7 @@ pub(super) fn cube_with_a_point_light(run: &mut Run) -> Result<()> {
         let (technique, share) = match technique {
             "photon" => ("photon:radius=0.01", 4e-3),
             "vcm" => ("vcm:radius=0.001", 2e-3),
+            "vcm:form=bpm" => ("vcm:form=bpm:radius=0.01", 4e-3),
             other => (other, 1e-3),
         };
         let settings = Settings { camera: Some(points.len().to_string()), ..run.settings(&scene, technique)? };
@@ -279,7 +281,7 @@ pub(super) fn half_lit_sphere(run: &mut Run) -> Result<()> {
     let indirect = 0.75 / 0.25 * 0.5;
     for technique in run.thorough(&scene).into_iter().chain(run.and_from_lights(&scene)) {
         // Merges: of a sphere, the area within a distance is that of a plane.
-        let share = if matches!(technique, "photon" | "vcm") { 2e-3 } else { 1e-3 };
+        let share = if technique == "photon" || technique.starts_with("vcm") { 2e-3 } else { 1e-3 };
         for (camera, what, expected) in [("0", "the half that emits", 1.0 + indirect), ("1", "the other", indirect)] {
             let settings = Settings { camera: Some(camera.to_owned()), ..run.settings(&scene, technique)? };
             let spp = if technique == "light" { 800 } else { run.pick(200, 128) };

@@ -157,14 +157,13 @@ impl<'a> Run<'a> {
     }
 
     /// What else finds all there is, in the long form: light tracing, where many pixels see its light or its lights aim, and what blurs by a
-    /// radius. One backend is enough.
+    /// radius, `vcm` also by merges alone. One backend is enough.
     pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
         let asked = self.is_long() && self.backend == Backend::Bvh;
-        let finds =
-            |row: &&Integrator| Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
-        let rows =
-            INTEGRATORS.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
-        rows.filter(finds).map(|row| row.name).collect()
+        let techniques = ["light", "photon", "vcm", "vcm:form=bpm"].into_iter().filter(|_| asked);
+        techniques
+            .filter(|name| Technique::parse(name).is_ok_and(|technique| technique.misses(scene).is_none()))
+            .collect()
     }
 
     /// Holds a film's mean against a value: within 0.1 % or three standard deviations of the estimate, whichever is more. An estimate
