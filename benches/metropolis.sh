@@ -8,7 +8,7 @@ size=64x64
 
 add cornell bdpt 20
 add bidirectional_room bdpt 40
-add door_ajar path 240
+add door_ajar path 200
 add ring_caustic vcm 60
 add torus_in_glass vcm 60
 bench path,bdpt,mlt:form=primary,mlt:form=multiplexed,mlt:form=paths "${SECONDS_PER_RUN:-3}" "${SEEDS:-6}" page

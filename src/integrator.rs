@@ -474,7 +474,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
         bad_at: "light that is easy to aim at, where visits to the same paths say little that is new; light that only chance finds",
         measured: "`multiplexed` 21 times `path` in `bidirectional_room`, where `bdpt` has 80 times, and 0.028 in `cornell`; \
-                   `paths` over `bdpt` 0.63 (0.16 to 2.4) in `door_ajar`, 1.2 (0.2 to 7.0) in `torus_in_glass`, 0.25 (0.04 to \
+                   `paths` over `bdpt` 0.15 (0.06 to 0.39) in `door_ajar`, 1.2 (0.2 to 7.0) in `torus_in_glass`, 0.25 (0.04 to \
                    1.6) in `ring_caustic`: their means are right, and fireflies decide",
         parameters: &[
             Parameter {
