@@ -39,6 +39,11 @@ pub struct Run<'a> {
     dropped: (u64, String),
 }
 
+/// Whether the technique finds all light that the scene has.
+fn finds_all(technique: &str, scene: &Scene) -> bool {
+    Technique::parse(technique).is_ok_and(|technique| technique.misses(scene).is_none())
+}
+
 impl<'a> Run<'a> {
     pub(super) fn new(
         gpu: &'a Gpu,
@@ -147,12 +152,10 @@ impl<'a> Run<'a> {
     /// Of those, the ones that find all there is in a scene of which the camera sees a tiny part. Light tracing would, but next to
     /// none of its paths come there.
     pub(super) fn thorough(&self, scene: &Scene) -> Vec<&'static str> {
-        let finds =
-            |row: &&Integrator| Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
         let rows = self.unbiased().into_iter();
         rows.filter(|row| row.solves == Solves::Everything && row.name != "light")
-            .filter(finds)
             .map(|row| row.name)
+            .filter(|name| finds_all(name, scene))
             .collect()
     }
 
@@ -160,10 +163,10 @@ impl<'a> Run<'a> {
     /// radius, `vcm` also by merges alone. One backend is enough.
     pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
         let asked = self.is_long() && self.backend == Backend::Bvh;
-        let techniques = ["light", "photon", "vcm", "vcm:form=bpm"].into_iter().filter(|_| asked);
-        techniques
-            .filter(|name| Technique::parse(name).is_ok_and(|technique| technique.misses(scene).is_none()))
-            .collect()
+        let rows =
+            INTEGRATORS.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
+        let merges = asked.then_some("vcm:form=bpm");
+        rows.map(|row| row.name).chain(merges).filter(|name| finds_all(name, scene)).collect()
     }
 
     /// Holds a film's mean against a value: within 0.1 % or three standard deviations of the estimate, whichever is more. An estimate
