@@ -1,10 +1,12 @@
 //! Compiles every shader: technique x pass x backend from the table in `src/integrator.rs`, and the kernels in
-//! `shaders/test` and `shaders/rays`. A shader is compiled again only when its text, or that of a file it includes, has changed.
+//! `shaders/test` and `shaders/rays`. None is optimised: `src/spirv` makes of each what a scene needs before a driver sees it. A shader
+//! is compiled again only when its text, or that of a file it includes, has changed, comments aside.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write as _;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -18,6 +20,9 @@ mod integrator;
 #[allow(dead_code, unused_imports)]
 #[path = "src/layout/mod.rs"]
 mod layout;
+#[allow(dead_code)]
+#[path = "src/spirv/mod.rs"]
+mod spirv;
 
 /// One SPIR-V module to make.
 struct Variant {
@@ -27,10 +32,8 @@ struct Variant {
     file: String,
     /// What `#include "trace/backend.glsl"` stands for.
     backend: &'static backend::BackendRow,
-    /// Macros, each defined as 1.
-    defines: Vec<String>,
-    /// Drivers read an optimised module in a fraction of the time; one that is not keeps its names.
-    optimised: bool,
+    /// A macro that is defined as 1.
+    define: Option<String>,
 }
 
 /// The names of the files in a folder, in order.
@@ -50,8 +53,7 @@ fn variants() -> Vec<Variant> {
                     name: format!("{}.{}.{}", row.name, pass.name, backend.name),
                     file: format!("integrators/{}", row.file),
                     backend,
-                    defines: vec![format!("PASS_{}", pass.name.to_uppercase().replace('-', "_"))],
-                    optimised: true,
+                    define: Some(format!("PASS_{}", pass.name.to_uppercase().replace('-', "_"))),
                 });
             }
         }
@@ -65,42 +67,10 @@ fn variants() -> Vec<Variant> {
                     name: format!("{folder}/{}.{}", kernel.trim_end_matches(".glsl"), backend.name),
                     file: format!("{folder}/{kernel}"),
                     backend,
-                    defines: Vec::new(),
-                    // The kernel that counts is not one whose speed matters, and tests/layout.rs reads its names.
-                    optimised: folder != "test" && kernel != "count.glsl",
+                    define: None,
                 });
             }
         }
-    }
-    // Each again without what many scenes do without.
-    let lean: Vec<Variant> = all
-        .iter()
-        .map(|full| Variant {
-            name: format!("{}.lean", full.name),
-            file: full.file.clone(),
-            backend: full.backend,
-            defines: full.defines.iter().cloned().chain([String::from("LEAN")]).collect(),
-            optimised: full.optimised,
-        })
-        .collect();
-    // With everything that there is this one takes more identifiers than the optimiser has.
-    all.iter_mut().filter(|full| full.name.starts_with("mlt.multiplexed.")).for_each(|full| full.optimised = false);
-    all.extend(lean);
-    // Techniques with their names, for tests/layout.rs.
-    for (name, defines) in [
-        ("path", None),
-        ("bdpt", Some("PASS_LIGHT")),
-        ("photon", Some("PASS_CAMERA")),
-        ("radiosity", Some("PASS_GATHER")),
-        ("mlt", Some("PASS_PRIMARY")),
-    ] {
-        all.extend(backend::BACKENDS.iter().map(|backend| Variant {
-            name: format!("test/{name}.{}", backend.name),
-            file: format!("integrators/{name}.glsl"),
-            backend,
-            defines: defines.iter().map(|define| String::from(*define)).collect(),
-            optimised: false,
-        }));
     }
     all
 }
@@ -122,19 +92,25 @@ fn resolve(name: &str, generated: &Path, backend: &backend::BackendRow) -> Resul
     Ok((shown, format!("#ifndef INCLUDED_{guard}\n#define INCLUDED_{guard}\n#line 1\n{text}\n#endif\n")))
 }
 
-/// A variant's text with all that it includes, as a hash: what decides whether it must be compiled again.
+/// A text without comments, blank lines and the space around lines: what decides whether something must be compiled again.
+fn without_comments(text: &str) -> String {
+    let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default().trim());
+    lines.filter(|line| !line.is_empty()).fold(String::new(), |all, line| all + line + "\n")
+}
+
+/// A variant's text with all that it includes, as a hash.
 fn fingerprint(variant: &Variant, generated: &Path) -> Result<u64, String> {
     let mut seen = BTreeSet::new();
     let mut queue = vec![variant.file.clone()];
     let mut hasher = DefaultHasher::new();
-    (variant.backend.name, &variant.defines, variant.optimised, fs::read_to_string("build.rs").unwrap_or_default())
-        .hash(&mut hasher);
+    let recipe = without_comments(&fs::read_to_string("build.rs").unwrap_or_default());
+    (variant.backend.name, &variant.define, recipe).hash(&mut hasher);
     while let Some(name) = queue.pop() {
         if !seen.insert(name.clone()) {
             continue;
         }
         let (_, text) = resolve(&name, generated, variant.backend)?;
-        text.hash(&mut hasher);
+        without_comments(&text).hash(&mut hasher);
         for line in text.lines() {
             if let Some(included) = line.trim().strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
                 queue.push(included.to_owned());
@@ -150,13 +126,9 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
     let mut options = shaderc::CompileOptions::new().map_err(|error| error.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_target_spirv(shaderc::SpirvVersion::V1_5);
-    options.set_optimization_level(if variant.optimised {
-        shaderc::OptimizationLevel::Performance
-    } else {
-        shaderc::OptimizationLevel::Zero
-    });
+    options.set_optimization_level(shaderc::OptimizationLevel::Zero);
     options.set_warnings_as_errors();
-    for define in &variant.defines {
+    if let Some(define) = &variant.define {
         options.add_macro_definition(define, Some("1"));
     }
     options.set_include_callback(|name, _, _, _| {
@@ -169,17 +141,34 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
     Ok(artifact.as_binary_u8().to_vec())
 }
 
-/// The file that holds a variant's SPIR-V, compiled unless it is there already.
-fn make(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path, modules: &Path) -> Result<PathBuf, String> {
-    let path =
-        modules.join(format!("{}-{:016x}.spv", variant.name.replace('/', "-"), fingerprint(variant, generated)?));
-    if !path.exists() {
-        // Another profile's build may be at the same module: it appears whole or not at all.
-        let part = path.with_extension(format!("{}.part", std::process::id()));
+/// A module as it was compiled, with its names, and as the program holds it: without them, deflated.
+struct Made {
+    named: PathBuf,
+    words: usize,
+    deflated: Vec<u8>,
+}
+
+/// A variant's module, compiled unless it is there already.
+fn make(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path, modules: &Path) -> Result<Made, String> {
+    let stem = variant.name.replace('/', "-");
+    let named = modules.join(format!("{stem}-{:016x}.spv", fingerprint(variant, generated)?));
+    let failed = |error: std::io::Error| format!("cannot write {}: {error}", named.display());
+    if !named.exists() {
+        // Another build may be at the same module: it appears whole or not at all.
+        let part = named.with_extension(format!("{}.part", std::process::id()));
         write_if_changed(&part, &compile(compiler, variant, generated)?)?;
-        fs::rename(&part, &path).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+        fs::rename(&part, &named).map_err(failed)?;
     }
-    Ok(path)
+    let bytes = fs::read(&named).map_err(|error| format!("cannot read {}: {error}", named.display()))?;
+    let words: Vec<u32> =
+        bytes.chunks_exact(4).map(|word| u32::from_ne_bytes([word[0], word[1], word[2], word[3]])).collect();
+    let stripped = spirv::strip(&words).map_err(|error| format!("{}: {error}", variant.name))?;
+    let mut deflated = flate2::write::DeflateEncoder::new(Vec::new(), flate2::Compression::best());
+    let deflated = deflated
+        .write_all(&stripped.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())
+        .and_then(|()| deflated.finish())
+        .map_err(failed)?;
+    Ok(Made { named, words: stripped.len(), deflated })
 }
 
 fn write_if_changed(path: &Path, text: &[u8]) -> Result<(), String> {
@@ -212,14 +201,14 @@ fn run() -> Result<(), String> {
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));
-    for source in ["build.rs", "src/backend.rs", "src/integrator.rs", "src/layout"] {
+    for source in ["build.rs", "src/backend.rs", "src/integrator.rs", "src/layout", "src/spirv"] {
         println!("cargo:rerun-if-changed={source}");
     }
 
-    // Compiling takes a second or so each: every core takes the next one until none is left.
+    // Compiling takes a tenth of a second each: every core takes the next one until none is left.
     let all = variants();
     let next = AtomicUsize::new(0);
-    let results: Mutex<Vec<(usize, Result<PathBuf, String>)>> = Mutex::default();
+    let results: Mutex<Vec<(usize, Result<Made, String>)>> = Mutex::default();
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
@@ -238,21 +227,37 @@ fn run() -> Result<(), String> {
     });
     let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
     results.sort_by_key(|(index, _)| *index);
+    // The program holds each module once, also where two variants come to the same; tests read the names of modules from files.
     let mut errors = Vec::new();
-    let mut table = String::from("pub(crate) static MODULES: &[(&str, &[u8])] = &[\n");
+    let mut table = String::from("pub(crate) static MODULES: &[(&str, usize, &[u8])] = &[\n");
+    let mut files = String::new();
+    let mut held: HashMap<Vec<u8>, PathBuf> = HashMap::new();
     for (index, made) in results {
-        match made {
-            Ok(path) => {
-                let _ =
-                    writeln!(table, "    ({:?}, include_bytes!({:?})),", all[index].name, path.display().to_string());
+        let made = match made {
+            Ok(made) => made,
+            Err(error) => {
+                errors.push(error);
+                continue;
             }
-            Err(error) => errors.push(error),
-        }
+        };
+        let name = &all[index].name;
+        let _ = writeln!(files, "{name} {}", made.named.display());
+        let path = match held.get(&made.deflated) {
+            Some(path) => path.clone(),
+            None => {
+                let path = out.join(format!("{}.deflated", name.replace('/', "-")));
+                write_if_changed(&path, &made.deflated)?;
+                held.insert(made.deflated, path.clone());
+                path
+            }
+        };
+        let _ = writeln!(table, "    ({name:?}, {}, include_bytes!({:?})),", made.words, path.display().to_string());
     }
     table.push_str("];\n");
     if !errors.is_empty() {
         return Err(errors.join("\n"));
     }
+    write_if_changed(&out.join("modules.txt"), files.as_bytes())?;
     write_if_changed(&out.join("modules.rs"), table.as_bytes())
 }
 

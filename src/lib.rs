@@ -55,6 +55,7 @@ pub mod render;
 pub mod report;
 pub mod sampler;
 pub mod scene;
+pub mod spirv;
 pub mod strategies;
 pub mod verify;
 

@@ -124,6 +124,10 @@ pub(super) struct RenderArgs {
     #[arg(long)]
     no_specialise: bool,
 
+    /// Leave it to the driver to cut kernels down to what the scene needs: the same bits, to see what doing so beforehand buys
+    #[arg(long)]
+    driver_specialises: bool,
+
     #[command(flatten)]
     device: DeviceArgs,
 
@@ -336,6 +340,7 @@ fn settle(
     settings.sampler = args.sampler;
     settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
+    settings.driver_specialises = args.driver_specialises;
     if let Some(Depth(depth)) = args.max_depth {
         settings.max_depth = depth;
     }

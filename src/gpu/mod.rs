@@ -16,5 +16,5 @@ pub use buffer::Buffer;
 pub use device::{Gpu, Limits};
 pub use frame::{Commands, Work};
 pub use instance::Instance;
-pub use pipeline::{Bindings, Pipeline, module, modules_fingerprint};
+pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use survey::{DeviceKind, Survey};

@@ -1,6 +1,7 @@
-//! Compute pipelines: a compiled module, its specialisation, and the one descriptor set that it reads.
+//! Compute pipelines: a module, made for the values of its constants, and the one descriptor set that it reads.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Read;
 
 use ash::vk;
 
@@ -9,18 +10,28 @@ use super::buffer::Buffer;
 use super::device::Gpu;
 use crate::error::{Error, Result};
 use crate::layout;
+use crate::spirv;
 
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 }
 
 /// The SPIR-V that `build.rs` made of a technique's pass for a backend (`path.pixels.bvh`), or of a test kernel
-/// (`test/trace.bvh`).
-pub fn module(name: &str) -> Result<&'static [u8]> {
-    let found = generated::MODULES.iter().find(|(module, _)| *module == name);
-    found
-        .map(|(_, spirv)| *spirv)
-        .ok_or_else(|| Error::Usage(format!("no shader '{name}' was compiled into this program")))
+/// (`test/trace.bvh`), with everything that there is to model.
+pub fn module(name: &str) -> Result<Vec<u32>> {
+    let Some((_, length, deflated)) = generated::MODULES.iter().find(|(module, ..)| *module == name) else {
+        return Err(Error::Usage(format!("no shader '{name}' was compiled into this program")));
+    };
+    let mut bytes = Vec::with_capacity(4 * length);
+    flate2::read::DeflateDecoder::new(*deflated)
+        .read_to_end(&mut bytes)
+        .map_err(|error| Error::Vulkan { doing: format!("inflate the shader {name}"), code: error.to_string() })?;
+    Ok(bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect())
+}
+
+/// The names of all modules.
+pub fn module_names() -> impl Iterator<Item = &'static str> {
+    generated::MODULES.iter().map(|(name, ..)| *name)
 }
 
 /// A number that stands for all compiled modules: it changes with any shader.
@@ -30,8 +41,21 @@ pub fn modules_fingerprint() -> u64 {
     hasher.finish()
 }
 
+/// What a pipeline is made of: a module, the values of its specialisation constants, and who works these in.
+#[derive(Clone, Debug)]
+pub struct Kernel<'a> {
+    /// The module's name.
+    pub module: &'a str,
+    /// Pairs of a `constant_id` and its 32 bits.
+    pub constants: &'a [(u32, u32)],
+    /// Leave the constants to the driver rather than to [`spirv::specialise`]: the same bits, for comparison.
+    pub driver_specialises: bool,
+}
+
 /// A compute pipeline. Freed when dropped.
 pub struct Pipeline {
+    /// Instructions of the module, and of what its constants leave of it; the same where the driver is left to find out.
+    pub instructions: (usize, usize),
     gpu: Gpu,
     pub(super) raw: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
@@ -55,11 +79,17 @@ fn binding_kinds(has_tlas: bool) -> Vec<(u32, vk::DescriptorType)> {
 }
 
 impl Pipeline {
-    /// Makes a pipeline of the module `name`. `specialisation` holds (constant_id, 32-bit pattern).
-    pub fn new(gpu: &Gpu, name: &str, specialisation: &[(u32, u32)], has_tlas: bool) -> Result<Self> {
+    /// Makes a pipeline.
+    pub fn new(gpu: &Gpu, kernel: &Kernel, has_tlas: bool) -> Result<Self> {
         let device = &gpu.shared.raw;
-        let words = ash::util::read_spv(&mut std::io::Cursor::new(module(name)?))
-            .map_err(|error| Error::Vulkan { doing: format!("read the shader {name}"), code: error.to_string() })?;
+        let name = kernel.module;
+        let whole = module(name)?;
+        let made = spirv::specialise(&whole, kernel.constants)
+            .map_err(|error| Error::Vulkan { doing: format!("specialise the shader {name}"), code: error })?;
+        let (words, left_to_driver, left) = match kernel.driver_specialises {
+            true => (whole, kernel.constants, made.before),
+            false => (made.words, &[][..], made.after),
+        };
         let bindings: Vec<_> = binding_kinds(has_tlas)
             .into_iter()
             .map(|(binding, kind)| {
@@ -71,6 +101,7 @@ impl Pipeline {
             })
             .collect();
         let mut new = Self {
+            instructions: (made.before, left),
             gpu: gpu.clone(),
             raw: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
@@ -98,10 +129,10 @@ impl Pipeline {
             .map_err(gpu.failed(format!("load the shader {name}")))?;
         gpu.name(module, name);
         let entries: Vec<_> = (0u32..)
-            .zip(specialisation)
+            .zip(left_to_driver)
             .map(|(index, (id, _))| vk::SpecializationMapEntry::default().constant_id(*id).offset(4 * index).size(4))
             .collect();
-        let data: Vec<u32> = specialisation.iter().map(|(_, word)| *word).collect();
+        let data: Vec<u32> = left_to_driver.iter().map(|(_, word)| *word).collect();
         let special = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&data));
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)

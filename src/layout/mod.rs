@@ -81,13 +81,8 @@ pub fn glsl() -> String {
     text.push('\n');
     for constant in SPECIALISATION {
         let default = if constant.kind == "bool" { "false" } else { "1" }; // 1: some are sizes of arrays
-        let special =
-            format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
-        if RARE.contains(&constant.name) {
-            text += &format!("#ifdef LEAN\nconst bool {} = false;\n#else\n{special}#endif\n", constant.name);
-        } else {
-            text += &special;
-        }
+        text +=
+            &format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
     }
     text.push('\n');
     for shared in structs() {

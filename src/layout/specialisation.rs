@@ -29,12 +29,6 @@ macro_rules! specialisation {
             pub fn words(&self) -> Vec<(u32, u32)> {
                 vec![$( ($id, self.$field.word()) ),*]
             }
-
-            /// Whether it does without everything that a lean module lacks.
-            pub fn is_lean(&self) -> bool {
-                let all = [$( (stringify!($name), self.$field.word()) ),*];
-                all.iter().all(|(name, word)| *word == 0 || !RARE.contains(name))
-            }
         }
     };
 }
@@ -170,27 +164,3 @@ specialisation! {
     /// Fourth parameter of the technique.
     27 param3 PARAM3: uint;
 }
-
-/// What many scenes do without: in a lean module these are false already, because a driver takes its time to read and drop
-/// what a specialisation leaves out.
-pub const RARE: &[&str] = &[
-    "HAS_THIN_DIELECTRIC",
-    "HAS_PLASTIC",
-    "HAS_ROUGH_PLASTIC",
-    "HAS_PRINCIPLED",
-    "HAS_LAYERED",
-    "HAS_BLENDS",
-    "HAS_MATERIAL_TEXTURES",
-    "HAS_UVS",
-    "HAS_TANGENTS",
-    "HAS_MASKS",
-    "HAS_TEXTURED_LIGHTS",
-    "HAS_PROJECTORS",
-    "HAS_ENVIRONMENT",
-    "HAS_BECKMANN",
-    "HAS_ABSORPTION",
-    "HAS_COLOURS",
-    "HAS_LIGHT_TREE",
-    "HAS_MIP_MAPS",
-    "HAS_ENERGY_COMPENSATION",
-];

@@ -7,7 +7,7 @@ use super::settings::Settings;
 use super::upload::Uploaded;
 use super::watch::Watch;
 use crate::error::Result;
-use crate::gpu::{Bindings, DeviceKind, Gpu, Pipeline};
+use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
 use crate::layout::{INLINE_FIRST_ID, NONE, Specialisation};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -24,6 +24,7 @@ pub(super) struct Kernel {
     /// What the pipeline was made of.
     module: String,
     constants: Vec<(u32, u32)>,
+    driver_specialises: bool,
 }
 
 impl Kernel {
@@ -70,31 +71,38 @@ impl Kernel {
         };
         settings.needs(scene).specialise(&mut special);
         special.camera = settings.image_plane(scene)?.kind;
-        let name = if special.is_lean() { format!("{name}.lean") } else { name.to_owned() };
         let mut constants = special.words();
         let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
         constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
-        let (pipeline, bindings) = Self::make(gpu, &name, &constants, &uploaded)?;
+        let kernel =
+            gpu::Kernel { module: name, constants: &constants, driver_specialises: settings.driver_specialises };
+        let (pipeline, bindings) = Self::make(gpu, &kernel, &uploaded)?;
         Ok(Self {
             pipeline,
             bindings,
             scene: uploaded,
             build_seconds,
             compile_seconds: started.elapsed().as_secs_f64(),
-            module: name,
+            module: name.to_owned(),
             constants,
+            driver_specialises: settings.driver_specialises,
         })
     }
 
-    fn make(gpu: &Gpu, module: &str, constants: &[(u32, u32)], scene: &Uploaded) -> Result<(Pipeline, Bindings)> {
-        let pipeline = Pipeline::new(gpu, module, constants, scene.tlas.is_some())?;
+    fn make(gpu: &Gpu, kernel: &gpu::Kernel, scene: &Uploaded) -> Result<(Pipeline, Bindings)> {
+        let pipeline = Pipeline::new(gpu, kernel, scene.tlas.is_some())?;
         let bindings = pipeline.bind(&scene.uniforms, scene.tlas.as_ref())?;
         Ok((pipeline, bindings))
     }
 
     /// Makes the same pipeline once more, beside the old one, which goes then: its code comes to lie elsewhere.
     pub fn remake(&mut self, gpu: &Gpu) -> Result<()> {
-        (self.pipeline, self.bindings) = Self::make(gpu, &self.module, &self.constants, &self.scene)?;
+        let kernel = gpu::Kernel {
+            module: &self.module,
+            constants: &self.constants,
+            driver_specialises: self.driver_specialises,
+        };
+        (self.pipeline, self.bindings) = Self::make(gpu, &kernel, &self.scene)?;
         Ok(())
     }
 }

@@ -174,6 +174,9 @@ pub struct Settings {
     pub strategies: Option<Strategies>,
     /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
     pub specialise: bool,
+    /// Give the driver whole modules and the values of their constants, rather than modules that hold no more than these leave: it takes
+    /// longer and gives the same bits.
+    pub driver_specialises: bool,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
     /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
@@ -197,6 +200,7 @@ impl Settings {
             lengths: 0,
             strategies: None,
             specialise: true,
+            driver_specialises: false,
             expected_samples: u64::MAX,
             chunk: CHUNK,
         }
