@@ -36,7 +36,8 @@ struct Bsdf {
     Compensation compensation;
 };
 
-bool is_kind(Bsdf b, bool present, uint kind) { return present && b.m.kind == kind; }
+// Whether the material is of a kind; false at compile time where the scene has none of it (`present`), which no function could hand back.
+#define is_kind(b, present, is) (present && (b).m.kind == is)
 
 #include "materials/properties.glsl"
 

@@ -10,7 +10,7 @@ use super::buffer::Buffer;
 use super::device::Gpu;
 use crate::error::{Error, Result};
 use crate::layout;
-use crate::spirv;
+use crate::spirv::{self, Specialised};
 
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/modules.rs"));
@@ -52,6 +52,19 @@ pub struct Kernel<'a> {
     pub driver_specialises: bool,
 }
 
+impl Kernel<'_> {
+    fn specialised(&self, whole: &[u32]) -> Result<Specialised> {
+        spirv::specialise(whole, self.constants)
+            .map_err(|error| Error::Vulkan { doing: format!("specialise the shader {}", self.module), code: error })
+    }
+
+    /// Instructions that the constants leave of the module, and all that it has.
+    pub fn size(&self) -> Result<(usize, usize)> {
+        let made = self.specialised(&module(self.module)?)?;
+        Ok((made.after, made.before))
+    }
+}
+
 /// A compute pipeline. Freed when dropped.
 pub struct Pipeline {
     /// Instructions of the module, and of what its constants leave of it; the same where the driver is left to find out.
@@ -84,8 +97,7 @@ impl Pipeline {
         let device = &gpu.shared.raw;
         let name = kernel.module;
         let whole = module(name)?;
-        let made = spirv::specialise(&whole, kernel.constants)
-            .map_err(|error| Error::Vulkan { doing: format!("specialise the shader {name}"), code: error })?;
+        let made = kernel.specialised(&whole)?;
         let (words, left_to_driver, left) = match kernel.driver_specialises {
             true => (whole, kernel.constants, made.before),
             false => (made.words, &[][..], made.after),

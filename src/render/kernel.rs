@@ -1,14 +1,13 @@
 //! A compiled kernel with the scene that it runs on.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::settings::Settings;
 use super::upload::Uploaded;
-use super::watch::Watch;
 use crate::error::Result;
 use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
-use crate::layout::{INLINE_FIRST_ID, NONE, Specialisation};
+use crate::integrator::Pass;
+use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 
@@ -17,10 +16,6 @@ pub(super) struct Kernel {
     pub pipeline: Pipeline,
     pub bindings: Bindings,
     pub scene: Arc<Uploaded>,
-    /// Seconds that building and uploading the scene took.
-    pub build_seconds: f64,
-    /// Seconds that making the pipeline took.
-    pub compile_seconds: f64,
     /// What the pipeline was made of.
     module: String,
     constants: Vec<(u32, u32)>,
@@ -28,65 +23,25 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// Uploads the scene and makes a pipeline of the module `name` for it. The caller has checked the settings and that the
-    /// device has room.
-    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, watch: Watch) -> Result<Self> {
-        let started = Instant::now();
-        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
-        Self::on(gpu, scene, settings, name, uploaded, started.elapsed().as_secs_f64())
+    /// Makes a pipeline of the module `name` for a scene that is on the device. The caller has checked the settings.
+    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, uploaded: Arc<Uploaded>) -> Result<Self> {
+        let constants = constants(scene, settings, gpu.survey().kind, uploaded.stack_size, &uploaded.inline)?;
+        let driver_specialises = settings.driver_specialises;
+        let (pipeline, bindings) =
+            Self::make(gpu, &gpu::Kernel { module: name, constants: &constants, driver_specialises }, &uploaded)?;
+        Ok(Self { pipeline, bindings, scene: uploaded, module: name.to_owned(), constants, driver_specialises })
     }
 
-    /// A pipeline of another module for the same scene and settings, which is not uploaded again.
-    pub fn sibling(&self, gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
-        Self::on(gpu, scene, settings, name, self.scene.clone(), self.build_seconds)
-    }
-
-    fn on(
+    /// The same for several modules, in their order: as many at once as there are cores, for a driver works on each with one.
+    pub fn several(
         gpu: &Gpu,
         scene: &Scene,
         settings: &Settings,
-        name: &str,
-        uploaded: Arc<Uploaded>,
-        build_seconds: f64,
-    ) -> Result<Self> {
-        let started = Instant::now();
-        let [param0, param1, param2, param3] = settings.technique.words();
-        let mut special = Specialisation {
-            length_layers: settings.layers(),
-            strategies: settings.strategies.is_some(),
-            max_depth: settings.max_depth.unwrap_or(NONE),
-            rr_depth: settings.rr_depth,
-            filter: settings.filter.parameters().0,
-            wide_loads: gpu.survey().kind == DeviceKind::Cpu,
-            select_stack: gpu.survey().kind == DeviceKind::Cpu,
-            unroll_texels: gpu.survey().kind != DeviceKind::Cpu,
-            stack_size: uploaded.stack_size,
-            inline_count: uploaded.inline.len() as u32,
-            sobol: settings.sampler == Sampler::Sobol,
-            param0,
-            param1,
-            param2,
-            param3,
-            ..Specialisation::default()
-        };
-        settings.needs(scene).specialise(&mut special);
-        special.camera = settings.image_plane(scene)?.kind;
-        let mut constants = special.words();
-        let coordinates = uploaded.inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
-        constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
-        let kernel =
-            gpu::Kernel { module: name, constants: &constants, driver_specialises: settings.driver_specialises };
-        let (pipeline, bindings) = Self::make(gpu, &kernel, &uploaded)?;
-        Ok(Self {
-            pipeline,
-            bindings,
-            scene: uploaded,
-            build_seconds,
-            compile_seconds: started.elapsed().as_secs_f64(),
-            module: name.to_owned(),
-            constants,
-            driver_specialises: settings.driver_specialises,
-        })
+        names: &[String],
+        uploaded: &Arc<Uploaded>,
+    ) -> Result<Vec<Self>> {
+        use rayon::prelude::*;
+        names.par_iter().map(|name| Self::new(gpu, scene, settings, name, uploaded.clone())).collect()
     }
 
     fn make(gpu: &Gpu, kernel: &gpu::Kernel, scene: &Uploaded) -> Result<(Pipeline, Bindings)> {
@@ -105,4 +60,81 @@ impl Kernel {
         (self.pipeline, self.bindings) = Self::make(gpu, &kernel, &self.scene)?;
         Ok(())
     }
+
+    /// The module's name, its instructions, and those that are left of them.
+    pub fn size(&self) -> KernelSize {
+        let (whole, left) = self.pipeline.instructions;
+        KernelSize { module: self.module.clone(), instructions: left, of: whole }
+    }
+}
+
+/// How much of a module is left for a scene.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct KernelSize {
+    /// The module: technique, pass and backend.
+    pub module: String,
+    /// SPIR-V instructions that the driver is given.
+    pub instructions: usize,
+    /// Instructions of the module with everything that there is to model.
+    pub of: usize,
+}
+
+/// The values of all specialisation constants, as (id, bits). `stack_size` is in entries of the traversal stack; `inline` are the triangles that
+/// the kernel holds as constants.
+fn constants(
+    scene: &Scene,
+    settings: &Settings,
+    device: DeviceKind,
+    stack_size: u32,
+    inline: &[Primitive],
+) -> Result<Vec<(u32, u32)>> {
+    let [param0, param1, param2, param3] = settings.technique.words();
+    let mut special = Specialisation {
+        length_layers: settings.layers(),
+        strategies: settings.strategies.is_some(),
+        max_depth: settings.max_depth.unwrap_or(NONE),
+        rr_depth: settings.rr_depth,
+        filter: settings.filter.parameters().0,
+        wide_loads: device == DeviceKind::Cpu,
+        select_stack: device == DeviceKind::Cpu,
+        unroll_texels: device != DeviceKind::Cpu,
+        stack_size,
+        inline_count: inline.len() as u32,
+        sobol: settings.sampler == Sampler::Sobol,
+        param0,
+        param1,
+        param2,
+        param3,
+        ..Specialisation::default()
+    };
+    settings.needs(scene).specialise(&mut special);
+    special.camera = settings.image_plane(scene)?.kind;
+    let mut constants = special.words();
+    let coordinates = inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
+    constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
+    Ok(constants)
+}
+
+/// The names of the modules of a rendering's passes, in their order.
+pub(super) fn module_names(settings: &Settings) -> Vec<String> {
+    let row = settings.technique.row;
+    let name = |pass: &Pass| format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
+    settings.technique.passes().map(name).collect()
+}
+
+/// The modules of a rendering's passes and the values of their specialisation constants, as (id, bits), as they are for a device of this kind.
+/// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left.
+pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Vec<(u32, u32)>)> {
+    Ok((module_names(settings), constants(scene, settings, device, 1, &[])?))
+}
+
+/// How much of each of these modules is left, found without a device.
+pub fn kernel_sizes(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<Vec<KernelSize>> {
+    let (modules, constants) = modules_of(scene, settings, device)?;
+    let size = |module: String| {
+        let (instructions, of) =
+            gpu::Kernel { module: &module, constants: &constants, driver_specialises: false }.size()?;
+        Ok(KernelSize { module, instructions, of })
+    };
+    modules.into_iter().map(size).collect()
 }

@@ -21,6 +21,7 @@ mod upload;
 mod watch;
 
 use std::collections::HashSet;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub use memory::{Part, Prediction};
@@ -38,6 +39,7 @@ use crate::scene::patches::Quartered;
 use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
+pub use kernel::{KernelSize, kernel_sizes, modules_of};
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
 use radiosity::Radiosity;
@@ -112,17 +114,13 @@ impl Renderer {
     fn build(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let row = settings.technique.row;
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
-        let mut passes: Vec<(Pass, Kernel)> = Vec::new();
-        for pass in &taking_part {
-            let name = format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
-            let kernel = match passes.first() {
-                None => Kernel::new(gpu, scene, settings, &name, watch)?,
-                Some((_, first)) => first.sibling(gpu, scene, settings, &name)?,
-            };
-            passes.push((**pass, kernel));
-        }
-        let compile_seconds: f64 = passes.iter().map(|(_, kernel)| kernel.compile_seconds).sum();
         let started = Instant::now();
+        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
+        let build = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        watch(Building { doing: "compiling kernels", share: 0.0 });
+        let kernels = Kernel::several(gpu, scene, settings, &kernel::module_names(settings), &uploaded)?;
+        let passes: Vec<_> = taking_part.iter().map(|pass| **pass).zip(kernels).collect();
         let scratch = Scratch::new(gpu, settings)?;
         let stages = integrator::stages(taking_part.into_iter());
         let radiosity = match row.kept {
@@ -151,7 +149,7 @@ impl Renderer {
             ),
             stages,
             merge_radius: MergeRadius::of(&settings.technique, scene, scratch.size.light_paths),
-            seconds: Seconds { build: passes[0].1.build_seconds, ..Seconds::default() },
+            seconds: Seconds { build, ..Seconds::default() },
             passes,
             scratch,
             chains: Chains::new(gpu, settings)?,
@@ -161,7 +159,7 @@ impl Renderer {
             bad_samples: Vec::new(),
         };
         renderer.dispatch(Frame::NOTHING, true)?;
-        renderer.seconds.compile = compile_seconds + started.elapsed().as_secs_f64();
+        renderer.seconds.compile = started.elapsed().as_secs_f64();
         renderer.quarter_patches(scene, watch)?;
         Ok(renderer)
     }
@@ -289,6 +287,11 @@ impl Renderer {
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
         self.rays
+    }
+
+    /// How much of the module of each pass is left for the scene, in their order.
+    pub fn kernel_sizes(&self) -> Vec<KernelSize> {
+        self.passes.iter().map(|(_, kernel)| kernel.size()).collect()
     }
 
     /// What was uploaded.

@@ -1,6 +1,8 @@
 //! Running the kernels of `shaders/test` and `shaders/rays` over arrays: how tests and `lumbre rays` reach the shaders'
 //! functions one by one.
 
+use std::sync::Arc;
+
 use bytemuck::Pod;
 
 use super::frames::Frame;
@@ -28,14 +30,15 @@ impl Probe {
         let module = format!("{name}.{}", settings.backend.name());
         settings.check(gpu, scene)?;
         memory::check_scene(gpu, scene, settings)?;
-        let kernel = Kernel::new(gpu, scene, settings, &module, &|_| {})?;
+        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, &|_| {})?);
+        let kernel = Kernel::new(gpu, scene, settings, &module, uploaded)?;
         Ok(Self::of(gpu, scene, settings, name, kernel))
     }
 
     /// Another kernel for the same scene and settings, which are not uploaded again.
     pub fn sibling(&self, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
-        let kernel = self.kernel.sibling(&self.gpu, scene, settings, &module)?;
+        let kernel = Kernel::new(&self.gpu, scene, settings, &module, self.kernel.scene.clone())?;
         Ok(Self::of(&self.gpu, scene, settings, name, kernel))
     }
 

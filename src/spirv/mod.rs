@@ -10,6 +10,7 @@
 //! 4. [`emit`] writes that down, with identifiers numbered anew. Structured control flow stays structured: a selection that is decided
 //!    becomes a plain branch, a loop keeps its merge and the block that goes back, even where nothing leads there.
 
+pub mod copies;
 pub mod emit;
 pub mod fold;
 pub mod live;
