@@ -14,10 +14,10 @@ const bool MERGES = false;
 const bool MERGES_FIRST = false;
 
 #if defined(PASS_LIGHT)
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/bidirectional_light.glsl"
 #elif defined(PASS_CAMERA)
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/bidirectional_camera.glsl"
 #else
 #include "lib/resolve_main.glsl"

@@ -4,7 +4,7 @@
 // What a technique cannot do is left to the other: delta lobes always go by the BSDF, delta lights always by a sample.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 
 const uint SAMPLE_BOTH = 0u;
@@ -21,7 +21,8 @@ float by_emitter(LightSample light, float both) {
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    bool found = path_trace(path, hit, e);
+    Interaction at;
+    bool found = path_trace(path, hit, at, e);
     if (!found) {
         if (HAS_BACKGROUND) {
             float weight = by_bsdf(path, background_weight(path));
@@ -29,7 +30,7 @@ bool path_extend(inout Path path, inout Estimate e) {
         }
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     path_measure(path, v);
     vec3 emission = vertex_emission(v, path.ray);

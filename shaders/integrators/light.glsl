@@ -2,7 +2,7 @@
 // Willems 1993). What reaches the camera by way of a mirror or glass has no vertex that a camera without extent could see: it is missing.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/splat.glsl"
 
 #ifdef PASS_RESOLVE
@@ -24,8 +24,9 @@ void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
 // Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.
 bool light_path_extend(Pixel pixel, inout Path path, vec3 power, inout uint rays) {
     Hit hit;
-    if (!trace_visible(path.ray, hit, path.random, rays)) return false;
-    Vertex v = vertex_at(path.ray, hit);
+    Interaction at;
+    if (!trace_visible(path.ray, hit, at, path.random, rays)) return false;
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     if (v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);

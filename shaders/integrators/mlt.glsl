@@ -14,7 +14,7 @@
 #ifdef PASS_RESOLVE
 #include "lib/resolve_main.glsl"
 #else
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 
 // Each form says what is on its way (Walk), and of that at its end: `walk_share`, by which what it brings stands for its like; `walk_ratio`, of
 // what speaks for it to what speaks for the current path; `walk_kind` of path; `walk_known`, which the chain is to know of it; and `walk_source`,

@@ -3,6 +3,6 @@
 // sections 9.2 and 10.2). Paths end by Russian roulette on their throughput. Unbiased.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/explicit_path.glsl"
 #include "lib/pixel_main.glsl"

@@ -5,7 +5,7 @@
 // form=biased ends at the first light or at a fixed length: it misses what lights reflect and what longer paths bring.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 #include "lib/chance.glsl"
 

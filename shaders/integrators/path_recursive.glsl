@@ -10,7 +10,7 @@
 // once the inner call has returned, and the stack is not needed either: this is `path`, but for how compilers round (on lavapipe to the last bit).
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 #include "lib/next_event.glsl"
 
@@ -66,7 +66,8 @@ void unwind(inout Estimate e) {
 bool radiance(inout Path path, inout Estimate e) {
     Call call = Call(vec3(0.0), vec3(0.0), vec3(0.0));
     Hit hit;
-    bool found = path_trace(path, hit, e);
+    Interaction at;
+    bool found = path_trace(path, hit, at, e);
     if (!found) {
         if (HAS_BACKGROUND) {
             vec3 handed_down = RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
@@ -75,7 +76,7 @@ bool radiance(inout Path path, inout Estimate e) {
         }
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     Path one = path;
     one.throughput = vec3(1.0);
     path_absorb(one, v);

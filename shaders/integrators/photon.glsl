@@ -16,7 +16,7 @@ const uint DIRECT_PHOTONS = 1u;
 #if !defined(PASS_LIGHT) && !defined(PASS_CAMERA)
 #include "lib/grid_main.glsl"
 #else
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/light_path.glsl"
 
 #ifdef PASS_LIGHT
@@ -26,12 +26,13 @@ const uint DIRECT_PHOTONS = 1u;
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
+    Interaction at;
     uint length = path.depth + 1u;
-    if (!path_trace(path, hit, e)) {
+    if (!path_trace(path, hit, at, e)) {
         if (HAS_BACKGROUND) contribute(e, length, path.throughput * background_radiance(path.ray.direction));
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     path_measure(path, v);
 

@@ -15,7 +15,7 @@
 // patch, and all surfaces are diffuse.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/patch_gather.glsl"
 
 // PARAM1
@@ -59,11 +59,12 @@ bool gather_finally(PatchTable t, Vertex v, vec3 carried, inout Path path, inout
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    if (!path_trace(path, hit, e)) {
+    Interaction at;
+    if (!path_trace(path, hit, at, e)) {
         if (HAS_BACKGROUND && path.depth == 0u) contribute(e, 1u, path.throughput * background_radiance(path.ray.direction));
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     path_measure(path, v);
     vec3 emission = vertex_emission(v, path.ray);

@@ -10,10 +10,10 @@
 #include "lib/vcm_forms.glsl"
 
 #if defined(PASS_LIGHT)
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/bidirectional_light.glsl"
 #elif defined(PASS_CAMERA)
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/bidirectional_camera.glsl"
 #elif defined(PASS_RESOLVE)
 #include "lib/resolve_main.glsl"

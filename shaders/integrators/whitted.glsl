@@ -6,7 +6,7 @@
 // lights=point takes the middle of each triangle or sphere for all of it, as the first ray tracers did: shadows are sharp.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 #include "lib/chance.glsl"
 #include "lights/middle.glsl"

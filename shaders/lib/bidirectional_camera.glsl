@@ -44,14 +44,15 @@ void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, flo
 
 bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e) {
     Hit hit;
-    bool found = path_trace(path, hit, e);
+    Interaction at;
+    bool found = path_trace(path, hit, at, e);
     uint length = path.depth + 1u;
     bool both_sides = length <= longest(); // strategies with more than one vertex from the light take part
     if (!found) {
         if (HAS_BACKGROUND) gather_background(pixel, path, p, both_sides, e);
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     path_measure(path, v);
     float arriving = abs(dot(path.ray.direction, v.at.normal));

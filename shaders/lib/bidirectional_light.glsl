@@ -35,12 +35,13 @@ void show_lens(Pixel pixel, Path path, vec3 power, Ray ray, float end, Partial p
 // the path that were kept, or would have been if there were room.
 bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path path, inout Partial p, inout uint met, inout uint rays) {
     Hit hit;
+    Interaction at;
     Ray ray = path.ray;
-    bool found = trace_visible(path.ray, hit, path.random, rays);
+    bool found = trace_visible(path.ray, hit, at, path.random, rays);
     bool to_lens = lens_choice() > 0.0;
     if (to_lens) show_lens(pixel, path, e.power, ray, found ? distance(ray.origin, path.ray.origin) + hit.t : INFINITY, p);
     if (!found || path.depth + 2u > longest()) return false;
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     float arriving = abs(dot(path.ray.direction, v.at.normal));
     if (v.material == NONE || arriving == 0.0) return false;

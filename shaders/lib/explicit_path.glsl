@@ -4,13 +4,14 @@
 
 bool path_extend(inout Path path, inout Estimate e) {
     Hit hit;
-    bool found = path_trace(path, hit, e);
+    Interaction at;
+    bool found = path_trace(path, hit, at, e);
     if (!found) {
         if (HAS_BACKGROUND)
             contribute(e, path.depth + 1u, path.throughput * background_radiance(path.ray.direction) * background_weight(path));
         return false;
     }
-    Vertex v = vertex_at(path.ray, hit);
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     path_measure(path, v);
 

@@ -82,8 +82,9 @@ void multiplexed_join(inout Multiplexed m, Vertex v, Bsdf b, inout Estimate e) {
 // Follows the part that is being made to its next vertex; returns whether anything is left to follow.
 bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
     Hit hit;
+    Interaction at;
     Pixel anywhere;
-    bool found = trace_visible(m.path.ray, hit, m.path.random, e.rays);
+    bool found = trace_visible(m.path.ray, hit, at, m.path.random, e.rays);
     if (!m.from_light) m.camera_random.dimension = m.path.random.dimension;
     uint segments = m.path.depth + 1u;
     bool last = !m.by_camera && segments + 1u == (m.from_light ? m.s : m.t);
@@ -92,7 +93,7 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
         if (HAS_BACKGROUND && m.by_camera) gather_background(anywhere, m.path, m.partial, both_sides, e);
         return false;
     }
-    Vertex v = vertex_at(m.path.ray, hit);
+    Vertex v = vertex_of(m.path.ray, at);
     path_absorb(m.path, v);
     path_measure(m.path, v);
     float arriving = abs(dot(m.path.ray.direction, v.at.normal));

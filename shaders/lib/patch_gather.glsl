@@ -33,12 +33,13 @@ Gathered gather(PatchTable t, Interaction at, vec3 normal, vec2 u, vec4 light_u,
     ray = Ray(offset_origin(at.position, at.margin, at.normal, w), w, INFINITY);
     Receiver from = Receiver(ray.origin, normal, false);
     Hit hit;
+    Interaction met;
     Ray moved = ray; // behind masks that let it pass
-    if (!trace_visible(moved, hit, random, rays)) {
+    if (!trace_visible(moved, hit, met, random, rays)) {
         if (HAS_BACKGROUND) g.direct += PI * background_radiance(w) * power_heuristic(pdf_w, background_pdf(w));
         return g;
     }
-    Vertex v = vertex_at(moved, hit);
+    Vertex v = vertex_of(moved, met);
     vec3 emission = vertex_emission(v, moved);
     if (emission != vec3(0.0)) {
         float weight = t.found != 0u ? 1.0 : power_heuristic(pdf_w, light_pdf(from, moved, hit, v.at, v.surface));

@@ -49,10 +49,11 @@ void arrive(PatchTable t, uint patch_, uint layer, vec3 power) {
 // The patch that a ray meets, or NONE; `share` is what a mask leaves out of its rays.
 uint patch_met(PatchTable t, Ray ray, inout Sampler random, out uint met, out float share, inout uint rays) {
     Hit hit;
+    Interaction at;
     met = 0u;
     share = 1.0;
-    if (!trace_visible(ray, hit, random, rays)) return NONE;
-    Vertex v = vertex_at(ray, hit);
+    if (!trace_visible(ray, hit, at, random, rays)) return NONE;
+    Vertex v = vertex_of(ray, at);
     share = 1.0 / vertex_opacity(v);
     vec2 c;
     uint index = patch_at(t, hit, v.at.position, v.front, c);

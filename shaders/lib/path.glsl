@@ -43,7 +43,9 @@ Path path_begin(inout Pixel pixel, inout Estimate e) {
 }
 
 // Follows the path to its next vertex; false where it leaves the scene.
-bool path_trace(inout Path path, out Hit hit, inout Estimate e) { return trace_visible(path.ray, hit, path.random, e.rays); }
+bool path_trace(inout Path path, out Hit hit, out Interaction at, inout Estimate e) {
+    return trace_visible(path.ray, hit, at, path.random, e.rays);
+}
 
 // A surface point in its local shading frame, on the side that the path came from.
 struct Vertex {
@@ -58,9 +60,10 @@ struct Vertex {
     float side;        // of what the path sees there, in texture coordinates; 0 is a point
 };
 
-Vertex vertex_at(Ray ray, Hit hit) {
+// The vertex where the ray has arrived.
+Vertex vertex_of(Ray ray, Interaction at) {
     Vertex v;
-    v.at = interaction_at(ray, hit);
+    v.at = at;
     v.surface = load_surface(v.at.surface);
     v.frame = frame_from_normal(v.at.shading_normal);
     v.wo = to_local(v.frame, -ray.direction);
@@ -72,6 +75,8 @@ Vertex vertex_at(Ray ray, Hit hit) {
     if (!HAS_BACK_MATERIALS && !v.front || v.wo.z == 0.0) v.material = NONE;
     return v;
 }
+
+Vertex vertex_at(Ray ray, Hit hit) { return vertex_of(ray, interaction_at(ray, hit)); }
 
 #include "lib/shading_frame.glsl"
 

@@ -277,9 +277,10 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
             if (vertex_kind(old) == VERTEX_SURFACE) x.own = old.own;
         }
         Hit hit;
+        Interaction at;
         Sampler masks = Sampler(m.random.chain, m.random.mutation, (i + (m.backwards ? 513u : 1u)) * VERTEX_NUMBERS + MASK_NUMBERS, 0u);
-        if (trace_visible(m.ray, hit, masks, rays)) {
-            x.position = interaction_at(m.ray, hit).position;
+        if (trace_visible(m.ray, hit, at, masks, rays)) {
+            x.position = at.position;
             x.detail = uvec3(hit.instance, floatBitsToUint(hit.uv));
             x.index = hit.primitive;
         } else {
@@ -293,7 +294,7 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
         path_vertex(m.route.chain, m.route.slot, i).vertex = x;
         m.at = i;
         if (m.runs) {
-            if (vertex_kind(x) == VERTEX_BACKGROUND || is_lamp(vertex_at(m.ray, hit))) {
+            if (vertex_kind(x) == VERTEX_BACKGROUND || is_lamp(vertex_of(m.ray, at))) {
                 m.route.segments = m.from_camera = i;
                 m.last = i + 1u;
                 return false;

@@ -7,8 +7,9 @@ layout(local_size_x = WORKGROUP) in;
 // Follows the path to its next vertex, keeps a photon there, and chooses the ray after it.
 bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout uint rays) {
     Hit hit;
-    if (!trace_visible(path.ray, hit, path.random, rays)) return false;
-    Vertex v = vertex_at(path.ray, hit);
+    Interaction at;
+    if (!trace_visible(path.ray, hit, at, path.random, rays)) return false;
+    Vertex v = vertex_of(path.ray, at);
     path_absorb(path, v);
     if (v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);

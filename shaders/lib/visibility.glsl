@@ -10,47 +10,49 @@ float surface_opacity(Surface surface, vec2 uv) {
     return surface.opacity_cutoff > 0.0 ? (opacity < surface.opacity_cutoff ? 0.0 : 1.0) : opacity;
 }
 
-// The nearest hit that does not let the path pass; moves the ray on behind those that do.
-bool trace_visible(inout Ray ray, out Hit hit, inout Sampler random, inout uint rays) {
-    bool found = trace_closest(ray, hit);
-    rays += 1u;
-    if (!HAS_MASKS) return found;
-    bool passing = found;
-    while (passing) {
-        Interaction at = interaction_at(ray, hit);
-        float opacity = surface_opacity(load_surface(at.surface), at.uv);
-        passing = opacity < 1.0 && (opacity == 0.0 || next4(random).x >= opacity);
-        if (passing) {
-            ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
-            found = trace_closest(ray, hit);
-            rays += 1u;
-            passing = found;
+// The nearest hit that does not let the path pass, and what lies there; moves the ray on behind those that do. One call of each function,
+// as a driver compiles each of them anew.
+bool trace_visible(inout Ray ray, out Hit hit, out Interaction at, inout Sampler random, inout uint rays) {
+    bool found, passing;
+    do {
+        found = trace_closest(ray, hit);
+        rays += 1u;
+        passing = false;
+        if (found) {
+            at = interaction_at(ray, hit);
+            if (HAS_MASKS) {
+                float opacity = surface_opacity(load_surface(at.surface), at.uv);
+                passing = opacity < 1.0 && (opacity == 0.0 || next4(random).x >= opacity);
+                if (passing) ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
+            }
         }
-    }
+    } while (HAS_MASKS && passing);
     return found;
 }
 
-// Share of the light that comes through between the ray's ends.
+// Share of the light that comes through between the ray's ends. Where something is in the way that may let it pass, the ray goes from
+// surface to surface in further turns.
 float trace_transmittance(Ray ray, inout uint rays) {
-    rays += 1u;
-    if (!trace_any(ray)) return 1.0;
-    if (!HAS_MASKS) return 0.0;
+    if (!HAS_MASKS) {
+        rays += 1u;
+        return trace_any(ray) ? 0.0 : 1.0;
+    }
     vec3 end = ray.origin + ray.t_max * ray.direction;
     bool distant = ray.t_max == INFINITY;
     float through = 1.0;
-    Hit hit;
-    bool blocked = trace_closest(ray, hit);
-    rays += 1u;
+    bool first = true, blocked = true;
     while (blocked) {
-        Interaction at = interaction_at(ray, hit);
-        through *= 1.0 - surface_opacity(load_surface(at.surface), at.uv);
-        blocked = through > 0.0;
-        if (blocked) {
+        Hit hit;
+        blocked = trace(ray, first, hit);
+        rays += 1u;
+        if (blocked && !first) {
+            Interaction at = interaction_at(ray, hit);
+            through *= 1.0 - surface_opacity(load_surface(at.surface), at.uv);
+            blocked = through > 0.0;
             ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
             ray.t_max = distant ? INFINITY : max(0.0, dot(end - ray.origin, ray.direction));
-            blocked = trace_closest(ray, hit);
-            rays += 1u;
         }
+        first = false;
     }
     return through;
 }

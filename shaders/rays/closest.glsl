@@ -1,7 +1,7 @@
 // Traces rays from memory and nothing else: the nearest hit.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

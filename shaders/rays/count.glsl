@@ -3,7 +3,7 @@
 #version 460
 #define COUNT_TRAVERSAL
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -3,7 +3,7 @@
 // has left the scene) have a negative length.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 
 layout(local_size_x = WORKGROUP) in;

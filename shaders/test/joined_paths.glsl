@@ -9,7 +9,7 @@ const bool MEETS_LENS = true;
 const bool MERGES = false;
 const bool MERGES_FIRST = false;
 
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/light_vertices.glsl"
 #include "lib/splat.glsl"
 
@@ -67,11 +67,12 @@ uint follow_light(Pixel pixel, inout uint rays) {
     put_light_vertex(0u, e.position, false, seen.camera, seen.visible, vec4(0.0, 0.0, seen.u));
     for (uint vertex = 1u;; vertex++) {
         Hit hit;
+        Interaction at;
         Ray ray = path.ray;
-        bool found = trace_visible(path.ray, hit, path.random, rays);
+        bool found = trace_visible(path.ray, hit, at, path.random, rays);
         if (CAMERA == CAMERA_THIN_LENS && path.depth > 0u) put_lens(vertex - 1u, ray, found ? hit.t : INFINITY, path.random);
         if (!found || vertex == MOST) return vertex;
-        Vertex v = vertex_at(path.ray, hit);
+        Vertex v = vertex_of(path.ray, at);
         if (v.material == NONE) return vertex;
         Bsdf b = vertex_material(v, path.ray, path.random);
         vec4 u = next4(path.random);
@@ -88,8 +89,9 @@ uint follow_camera(Pixel pixel, inout Estimate e) {
     put(camera_place(0u), path.ray.origin);
     for (uint vertex = 1u;; vertex++) {
         Hit hit;
-        if (vertex == MOST || !path_trace(path, hit, e)) return vertex;
-        Vertex v = vertex_at(path.ray, hit);
+        Interaction at;
+        if (vertex == MOST || !path_trace(path, hit, at, e)) return vertex;
+        Vertex v = vertex_of(path.ray, at);
         put(camera_place(vertex), v.at.position);
         if (v.material == NONE) return vertex + 1u;
         Bsdf b = vertex_material(v, path.ray, path.random);

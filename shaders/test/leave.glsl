@@ -2,7 +2,7 @@
 // answers is src/verify/leaving.rs's.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/interaction.glsl"
 
 layout(local_size_x = WORKGROUP) in;

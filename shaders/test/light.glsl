@@ -2,7 +2,7 @@
 // sampling chooses what lies in a direction.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path.glsl"
 
 layout(local_size_x = WORKGROUP) in;

@@ -4,7 +4,7 @@
 #define CHAINS
 #include "lib/prelude.glsl"
 #include "lib/chains.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 #include "lib/path_mutations.glsl"
 
 layout(local_size_x = WORKGROUP) in;

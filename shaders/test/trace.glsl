@@ -1,7 +1,7 @@
 // Traces the rays that the host gives, both ways.
 #version 460
 #include "lib/prelude.glsl"
-#include "trace/backend.glsl"
+#include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

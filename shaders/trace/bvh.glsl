@@ -114,12 +114,24 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
     bool in_instance = !HAS_INSTANCES;
     uint instance = 0u;
     nearest_instance = 0u;
-    Traveller r = traveller(ray.origin, ray.direction);
+    bool crossed = HAS_INSTANCES; // into the space of an instance, or out of it
+    Traveller r;
+    if (!HAS_INSTANCES) r = traveller(ray.origin, ray.direction);
     uvec2 nodes = uvec2(0u, 0x80000000u);
     uvec2 primitives = uvec2(0u);
     bool found = false;
     bool busy = true;
     while (busy) {
+        if (HAS_INSTANCES && crossed) {
+            crossed = false;
+            vec3 origin = ray.origin, direction = ray.direction;
+            if (in_instance) {
+                Instance placed = load_instance(instance);
+                origin = object_point(placed, ray.origin);
+                direction = object_vector(placed, ray.direction);
+            }
+            r = traveller(origin, direction);
+        }
         if (primitives.y == 0u && nodes.y > 0x00ffffffu) {
             uint bit = uint(findMSB(nodes.y));
             uint slot = (bit - 24u) ^ (r.octant & 0xffu);
@@ -141,10 +153,9 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
                 if (nodes.y > 0x00ffffffu) push(stack, nodes);
                 blas_floor = stack.depth;
                 in_instance = true;
+                crossed = true;
                 instance = index;
-                Instance placed = load_instance(index);
-                r = traveller(object_point(placed, ray.origin), object_vector(placed, ray.direction));
-                nodes = uvec2(placed.root, 0x80000000u);
+                nodes = uvec2(load_instance(index).root, 0x80000000u);
                 primitives = uvec2(0u);
             } else {
                 Primitive primitive = load_primitive(index);
@@ -167,7 +178,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
         if (primitives.y == 0u && nodes.y <= 0x00ffffffu && busy) {
             if (HAS_INSTANCES && in_instance && stack.depth == blas_floor) {
                 in_instance = false;
-                r = traveller(ray.origin, ray.direction);
+                crossed = true;
                 blas_floor = 0u;
             }
             busy = stack.depth > 0u;
@@ -182,20 +193,18 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
     return found;
 }
 
-// The nearest hit in (0, t_max).
-bool trace_closest(Ray ray, out Hit hit) {
+// The nearest hit in (0, t_max); with `any`, whether there is one, and what it is says nothing.
+bool trace(Ray ray, const bool any, out Hit hit) {
     Nearest nearest = Nearest(ray.t_max, NONE, vec3(0.0));
     uint instance = 0u;
     COUNT(tested_primitives, INLINE_COUNT);
-    bool found = INLINE_COUNT > 0u ? inline_closest(ray, nearest) : traverse(ray, false, nearest, instance);
+    bool found;
+    if (INLINE_COUNT > 0u) {
+        if (any) found = inline_any(ray);
+        else found = inline_closest(ray, nearest);
+    } else {
+        found = traverse(ray, any, nearest, instance);
+    }
     hit = Hit(nearest.t, nearest.primitive, instance, barycentric(nearest.edges));
     return found;
-}
-
-// Whether anything lies in (0, t_max).
-bool trace_any(Ray ray) {
-    Nearest nearest = Nearest(ray.t_max, NONE, vec3(0.0));
-    uint instance;
-    COUNT(tested_primitives, INLINE_COUNT);
-    return INLINE_COUNT > 0u ? inline_any(ray) : traverse(ray, true, nearest, instance);
 }

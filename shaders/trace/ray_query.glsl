@@ -28,27 +28,21 @@ void proceed(rayQueryEXT query, Ray ray) {
     }
 }
 
-// The nearest hit in (0, t_max). The hit's members are read only once one is committed: before, they are undefined.
-bool trace_closest(Ray ray, out Hit hit) {
+// The nearest hit in (0, t_max); with `any`, whether there is one, and what it is says nothing. The hit's members are read only once
+// one is committed: before, they are undefined.
+bool trace(Ray ray, const bool any, out Hit hit) {
     rayQueryEXT query;
-    rayQueryInitializeEXT(query, tlas, HAS_SPHERES ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT, 0xff, ray.origin, 0.0,
-                          ray.direction, ray.t_max);
+    uint flags = HAS_SPHERES ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
+    if (any) flags |= gl_RayFlagsTerminateOnFirstHitEXT;
+    rayQueryInitializeEXT(query, tlas, flags, 0xff, ray.origin, 0.0, ray.direction, ray.t_max);
     proceed(query, ray);
     hit = Hit(ray.t_max, NONE, 0u, vec2(0.0));
     uint kind = rayQueryGetIntersectionTypeEXT(query, true);
     if (kind == gl_RayQueryCommittedIntersectionNoneEXT) return false;
+    if (any) return true;
     hit.t = rayQueryGetIntersectionTEXT(query, true);
     hit.instance = rayQueryGetIntersectionInstanceCustomIndexEXT(query, true);
     hit.primitive = load_instance(hit.instance).first_primitive + rayQueryGetIntersectionPrimitiveIndexEXT(query, true);
     if (kind == gl_RayQueryCommittedIntersectionTriangleEXT) hit.uv = rayQueryGetIntersectionBarycentricsEXT(query, true);
     return true;
-}
-
-// Whether anything lies in (0, t_max).
-bool trace_any(Ray ray) {
-    rayQueryEXT query;
-    rayQueryInitializeEXT(query, tlas, gl_RayFlagsTerminateOnFirstHitEXT | (HAS_SPHERES ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT),
-                          0xff, ray.origin, 0.0, ray.direction, ray.t_max);
-    proceed(query, ray);
-    return rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
 }
