@@ -14,7 +14,7 @@ Frame shading_frame(Interaction at, Material m, inout bool mapped) {
     if (!HAS_MATERIAL_TEXTURES || m.textures == NONE) return frame;
     MaterialTextures t = TextureSets(scene.material_textures).at[m.textures];
     vec3 normal = frame.normal;
-    if (t.normal != NONE) {
+    if (HAS_NORMAL_MAPS && t.normal != NONE) {
         vec3 n = 2.0 * texture_at(t.normal, at.uv).xyz - 1.0;
         n.xy *= t.normal_scale;
         Frame base = frame;
@@ -24,7 +24,7 @@ Frame shading_frame(Interaction at, Material m, inout bool mapped) {
         }
         normal = normalize(to_world(base, n));
     }
-    if (t.bump != NONE) {
+    if (HAS_BUMP_MAPS && t.bump != NONE) {
         // The surface displaced along its normal (Blinn 1978), without the term of the normal's own change.
         vec2 slope = texture_gradient(t.bump, at.uv) * t.bump_scale;
         vec3 du = at.dp_du + frame.normal * (slope.x - dot(frame.normal, at.dp_du));

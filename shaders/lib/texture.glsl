@@ -3,10 +3,18 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Bytes4 { uint at[]; };
 
+// What the scene's textures do not all do without.
+const bool HAS_REPEATING = (WRAPS & ~(1u << WRAP_CLAMP)) != 0u;
+const bool HAS_CLAMPED = (WRAPS & 1u << WRAP_CLAMP) != 0u;
+const bool HAS_MIRRORED = (WRAPS & 1u << WRAP_MIRROR) != 0u;
+const bool HAS_FLOAT_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_FLOAT) != 0u;
+const bool HAS_LINEAR_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_LINEAR8) != 0u;
+const bool HAS_SRGB_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_SRGB8) != 0u;
+
 // The texel's index in one direction, brought into 0 .. size - 1.
 int wrap_texel(int i, int size, uint wrap) {
-    if (wrap == WRAP_CLAMP) return clamp(i, 0, size - 1);
-    int period = wrap == WRAP_MIRROR ? 2 * size : size;
+    if (!HAS_REPEATING || HAS_CLAMPED && wrap == WRAP_CLAMP) return clamp(i, 0, size - 1);
+    int period = HAS_MIRRORED && wrap == WRAP_MIRROR ? 2 * size : size;
     i -= period * int(floor(float(i) / float(period)));
     i = i < 0 ? i + period : (i >= period ? i - period : i); // the division may round across a multiple
     return clamp(i < size ? i : period - 1 - i, 0, size - 1); // where floats are too coarse to divide, any texel will do
@@ -15,11 +23,11 @@ int wrap_texel(int i, int size, uint wrap) {
 vec4 load_texel(Texture t, ivec2 i) {
     i = ivec2(wrap_texel(i.x, int(t.width), t.sampling & 0xffu), wrap_texel(i.y, int(t.height), t.sampling >> 8u & 0xffu));
     uint index = uint(i.y) * t.width + uint(i.x);
-    if (t.format == TEXELS_FLOAT) return Vectors4(t.texels).at[index];
+    if (!(HAS_LINEAR_TEXELS || HAS_SRGB_TEXELS) || HAS_FLOAT_TEXELS && t.format == TEXELS_FLOAT) return Vectors4(t.texels).at[index];
     uint bytes = Bytes4(t.texels).at[index];
     uvec4 b = uvec4(bytes, bytes >> 8u, bytes >> 16u, bytes >> 24u) & 0xffu;
     vec4 linear = vec4(b) * (1.0 / 255.0);
-    if (t.format == TEXELS_LINEAR8) return linear;
+    if (!HAS_SRGB_TEXELS || HAS_LINEAR_TEXELS && t.format == TEXELS_LINEAR8) return linear;
     Floats decode = Floats(scene.tables);
     return vec4(decode.at[b.x], decode.at[b.y], decode.at[b.z], linear.w);
 }
@@ -90,7 +98,7 @@ vec4 levels_value(Texture t, vec2 position, float side) {
 // The value where a path is `side` wide in the surface's texture coordinates; 0 is the point itself.
 vec4 texture_value(Texture t, vec2 uv, float side) {
     vec2 position = texture_position(t, uv);
-    if (t.kind == TEXTURE_CHECKERBOARD) {
+    if (HAS_CHECKERBOARDS && t.kind == TEXTURE_CHECKERBOARD) {
         bvec2 half_way = greaterThan(fract(position), vec2(0.5));
         return half_way.x == half_way.y ? t.scale : t.offset;
     }
@@ -117,7 +125,7 @@ float texture_scalar(uint index, vec2 uv) {
 // piecewise smooth. A checkerboard has none, and neither has a single texel.
 vec2 texture_gradient(uint index, vec2 uv) {
     Texture t = load_texture(index);
-    if (t.kind == TEXTURE_CHECKERBOARD) return vec2(0.0);
+    if (HAS_CHECKERBOARDS && t.kind == TEXTURE_CHECKERBOARD) return vec2(0.0);
     Footprint f = texture_footprint(t, texture_position(t, uv), false);
     if (t.width * t.height == 1u) f.texels = 0u;
     vec2 g = vec2(0.0);

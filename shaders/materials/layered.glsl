@@ -6,6 +6,9 @@
 // coat's own Fresnel factor takes the half vector; what lies under the coat or the sheen is scaled by the lesser of what they
 // leave for either direction, which is reciprocal and gives back no more than it gets.
 
+// Whether light is refracted on the way through, as at the boundary of a volume, rather than going straight on.
+bool layered_refracts(Layered l) { return HAS_LAYERED_VOLUME && l.is_volume != 0u; }
+
 float largest_channel(vec3 c) { return max(c.x, max(c.y, c.z)); }
 
 float layered_alpha(float roughness) { return max(1e-3, roughness * roughness); }
@@ -81,25 +84,25 @@ float charlie_albedo(float cosine, float alpha) {
 // What the sheen leaves for the layers under it.
 float layered_under_sheen(Layered l, vec3 wo, vec3 wi) {
     float strongest = largest_channel(l.sheen_colour);
-    if (strongest == 0.0) return 1.0;
+    if (!HAS_LAYERED_SHEEN || strongest == 0.0) return 1.0;
     float alpha = charlie_alpha(l);
     return min(1.0 - strongest * charlie_albedo(abs(wo.z), alpha), 1.0 - strongest * charlie_albedo(abs(wi.z), alpha));
 }
 
 // What the clear coat reflects, seen from outside under this cosine.
-float layered_coat(Layered l, float cosine) { return l.clearcoat * mix(0.04, 1.0, schlick_weight(abs(cosine))); }
+float layered_coat(Layered l, float cosine) { return !HAS_LAYERED_CLEARCOAT ? 0.0 : l.clearcoat * mix(0.04, 1.0, schlick_weight(abs(cosine))); }
 
-// What the clear coat and the sheen leave for the layers under them. Inside of a volume there is no coat to cross first.
-float layered_under(Layered l, vec3 wo, vec3 wi) {
-    bool volume = l.is_volume != 0u;
+// What the clear coat leaves for the layers under it. Inside of a volume there is no coat to cross first.
+float layered_under_coat(Layered l, vec3 wo, vec3 wi) {
+    bool volume = layered_refracts(l);
     float coat_o = wo.z < 0.0 && volume ? 0.0 : layered_coat(l, wo.z);
     float coat_i = wi.z < 0.0 && volume ? 0.0 : layered_coat(l, wi.z);
-    return (1.0 - max(coat_o, coat_i)) * layered_under_sheen(l, wo, wi);
+    return 1.0 - max(coat_o, coat_i);
 }
 
 // Probabilities of sampling the diffuse lobe (which serves the sheen too), the clear coat and the microfacets.
 vec3 layered_lobes(Material m, Layered l, vec3 wo) {
-    bool inside = wo.z < 0.0 && l.is_volume != 0u;
+    bool inside = wo.z < 0.0 && layered_refracts(l);
     if (inside) return vec3(0.0, 0.0, 1.0);
     float f = largest_channel(layered_fresnel(m, l, wo.z, false));
     // At grazing angles the half vectors that scatter diffusely reflect far less than the surface's normal says.
@@ -113,6 +116,7 @@ vec3 layered_lobes(Material m, Layered l, vec3 wo) {
 // Probability of passing a microfacet whose dielectric reflectance is f, rather than being reflected. By the microfacet and
 // not by the surface: where the surface as a whole reflects totally, some of its microfacets do not.
 float layered_passage(Layered l, vec3 f) {
+    if (!HAS_LAYERED_TRANSMISSION) return 0.0;
     float reflected = l.metallic + (1.0 - l.metallic) * largest_channel(f);
     float passed = (1.0 - l.metallic) * l.transmission * (1.0 - largest_channel(f));
     return passed > 0.0 ? passed / (passed + reflected) : 0.0;
@@ -125,7 +129,7 @@ vec3 mirrored(vec3 w) { return vec3(w.xy, -w.z); }
 vec3 layered_half(Material m, Layered l, vec3 wo, vec3 wi) {
     vec3 h;
     if (wo.z * wi.z > 0.0) h = wo + wi;
-    else if (l.is_volume == 0u) h = wo + mirrored(wi);
+    else if (!layered_refracts(l)) h = wo + mirrored(wi);
     else h = (wo.z > 0.0 ? 1.0 : m.eta) * wo + (wi.z > 0.0 ? 1.0 : m.eta) * wi;
     h = normalize(h);
     return h.z < 0.0 ? -h : h;
@@ -134,67 +138,69 @@ vec3 layered_half(Material m, Layered l, vec3 wo, vec3 wi) {
 vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec3(0.0);
     bool reflected = wo.z * wi.z > 0.0;
-    bool inside = wo.z < 0.0 && l.is_volume != 0u;
-    vec2 alpha = vec2(layered_alpha(m.alpha_u));
+    if (!reflected && (!HAS_LAYERED_TRANSMISSION || l.transmission == 0.0)) return vec3(0.0);
+    bool inside = wo.z < 0.0 && layered_refracts(l);
+    bool refracted = !reflected && layered_refracts(l);
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
+    if (refracted && (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0)) return vec3(0.0);
+    // Straight through a thin wall, microfacets scatter light as if they reflected it.
+    vec3 facing = reflected || refracted ? wi : mirrored(wi);
+    // Where light is refracted, the cosine outside is known from either side.
+    float cos_h = refracted ? (inside ? wi_h : wo_h) : half_cosine(wo, facing);
+    vec3 f = layered_fresnel(m, l, cos_h, reflected && inside);
+    vec2 alpha = vec2(layered_alpha(m.alpha_u));
+    float visible = ggx_d(h, alpha) * ggx_g2(wo, facing, alpha, true);
     float cos_i = abs(wi.z);
-    vec3 value = vec3(0.0);
+    float under_sheen = layered_under_sheen(l, wo, wi);
+    float under = layered_under_coat(l, wo, wi) * under_sheen;
     if (!reflected) {
-        if (l.transmission == 0.0) return vec3(0.0);
-        // Where light is refracted, the cosine outside is known from either side; straight through, both are the same.
-        float outer = l.is_volume == 0u ? half_cosine(wo, mirrored(wi)) : inside ? wi_h : wo_h;
-        vec3 f = layered_fresnel(m, l, outer, false);
         vec3 through = m.reflectance * ((1.0 - l.metallic) * l.transmission) * (1.0 - largest_channel(f));
-        if (l.is_volume == 0u) {
-            value = through * (ggx_d(h, alpha) * ggx_g2(wo, mirrored(wi), alpha, true) / (4.0 * abs(wo.z)));
-        } else {
-            if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return vec3(0.0);
-            float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
-            float denominator = (near * wo_h + far * wi_h) / near;
-            value = through * (ggx_d(h, alpha) * ggx_g2(wo, wi, alpha, true) * abs(wo_h * wi_h / (wo.z * denominator * denominator)));
-        }
-        return value * layered_under(l, wo, wi);
+        if (!refracted) return through * (visible / (4.0 * abs(wo.z))) * under;
+        float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
+        float denominator = (near * wo_h + far * wi_h) / near;
+        return through * (visible * abs(wo_h * wi_h / (wo.z * denominator * denominator))) * under;
     }
-    float cos_h = half_cosine(wo, wi);
-    vec3 f = layered_fresnel(m, l, cos_h, inside);
-    float shine = ggx_d(h, alpha) * ggx_g2(wo, wi, alpha, true) / (4.0 * abs(wo.z));
+    float shine = visible / (4.0 * abs(wo.z));
     vec3 metal = mix(m.reflectance, vec3(1.0), schlick_weight(cos_h));
-    value = (l.metallic * metal + (1.0 - l.metallic) * f) * shine;
+    vec3 value = (l.metallic * metal + (1.0 - l.metallic) * f) * shine;
     if (inside) return value;
     float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - largest_channel(f));
     value += m.reflectance * (diffuse * cos_i * INV_PI);
-    value *= layered_under(l, wo, wi);
-    if (l.clearcoat > 0.0) {
+    value *= under;
+    if (HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0) {
         vec2 coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
-        float coat = layered_coat(l, cos_h) * layered_under_sheen(l, wo, wi);
+        float coat = layered_coat(l, cos_h) * under_sheen;
         value += coat * ggx_d(h, coat_alpha) * ggx_g2(wo, wi, coat_alpha, true) / (4.0 * abs(wo.z));
     }
-    vec3 up_o = vec3(wo.xy, abs(wo.z)), up_i = vec3(wi.xy, abs(wi.z));
-    if (l.sheen_colour != vec3(0.0)) value += l.sheen_colour * (charlie_sheen(up_o, up_i, charlie_alpha(l)) * cos_i);
+    if (HAS_LAYERED_SHEEN && l.sheen_colour != vec3(0.0)) {
+        vec3 up_o = vec3(wo.xy, abs(wo.z)), up_i = vec3(wi.xy, abs(wi.z));
+        value += l.sheen_colour * (charlie_sheen(up_o, up_i, charlie_alpha(l)) * cos_i);
+    }
     return value;
 }
 
 float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return 0.0;
     bool reflected = wo.z * wi.z > 0.0;
-    bool inside = wo.z < 0.0 && l.is_volume != 0u;
+    if (!reflected && !HAS_LAYERED_TRANSMISSION) return 0.0;
+    bool inside = wo.z < 0.0 && layered_refracts(l);
     vec3 up = wo.z > 0.0 ? wo : -wo; // ggx_visible_pdf takes h on the side of +z
     vec3 lobes = layered_lobes(m, l, wo);
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
     float visible = lobes.z * ggx_visible_pdf(up, h, vec2(layered_alpha(m.alpha_u)));
+    float passage = layered_passage(l, layered_fresnel(m, l, !reflected && inside ? wi_h : wo_h, reflected && inside));
     if (!reflected) {
-        float passage = layered_passage(l, layered_fresnel(m, l, inside ? wi_h : wo_h, false));
-        if (l.is_volume == 0u) return passage * visible / (4.0 * abs(wo_h));
+        if (!layered_refracts(l)) return passage * visible / (4.0 * abs(wo_h));
         if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return 0.0;
         float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
         float denominator = (near * wo_h + far * wi_h) / far;
         return passage * visible * abs(wi_h) / (denominator * denominator);
     }
-    float passage = layered_passage(l, layered_fresnel(m, l, wo_h, inside));
     float pdf = lobes.x * abs(wi.z) * INV_PI + (1.0 - passage) * visible / (4.0 * abs(wo_h));
-    if (lobes.y > 0.0) pdf += lobes.y * ggx_visible_pdf(up, h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * abs(wo_h));
+    if (HAS_LAYERED_CLEARCOAT && lobes.y > 0.0)
+        pdf += lobes.y * ggx_visible_pdf(up, h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * abs(wo_h));
     return pdf;
 }
 
@@ -202,21 +208,21 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
     BsdfSample none = BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
     vec3 lobes = layered_lobes(m, l, wo);
     float side = wo.z > 0.0 ? 1.0 : -1.0;
-    bool inside = wo.z < 0.0 && l.is_volume != 0u;
+    bool inside = wo.z < 0.0 && layered_refracts(l);
     vec3 wi;
     float eta = 1.0;
     bool through = false;
     if (u.z < lobes.x) {
         wi = side * sample_cosine_hemisphere(u.xy);
     } else {
-        bool coat = u.z < lobes.x + lobes.y;
+        bool coat = HAS_LAYERED_CLEARCOAT && u.z < lobes.x + lobes.y;
         vec2 alpha = vec2(layered_alpha(coat ? l.clearcoat_roughness : m.alpha_u));
         vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
         float cos_h = dot(wo, h);
         through = !coat && u.z >= 1.0 - lobes.z * layered_passage(l, layered_fresnel(m, l, cos_h, inside));
         wi = reflect(-wo, h);
-        if (through && l.is_volume == 0u) wi = mirrored(wi);
-        if (through && l.is_volume != 0u) {
+        if (through && !layered_refracts(l)) wi = mirrored(wi);
+        if (through && layered_refracts(l)) {
             eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
             float cos_t;
             fresnel_dielectric(cos_h, eta, cos_t);

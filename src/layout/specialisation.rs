@@ -155,6 +155,26 @@ specialisation! {
     71 sobol HAS_SOBOL: bool;
     /// Layers are those of strategies, unweighted and weighted, instead of path lengths.
     72 strategies HAS_STRATEGIES: bool;
+    /// Some layered material has a sheen.
+    50 layered_sheen HAS_LAYERED_SHEEN: bool;
+    /// Some layered material has a clear coat.
+    51 layered_clearcoat HAS_LAYERED_CLEARCOAT: bool;
+    /// Some layered material lets light through.
+    52 layered_transmission HAS_LAYERED_TRANSMISSION: bool;
+    /// Some layered material bounds a volume.
+    53 layered_volume HAS_LAYERED_VOLUME: bool;
+    /// Some material has a map of normals.
+    54 normal_maps HAS_NORMAL_MAPS: bool;
+    /// Some material has a bump map.
+    55 bump_maps HAS_BUMP_MAPS: bool;
+    /// Some surface has a textured opacity.
+    56 textured_masks HAS_TEXTURED_MASKS: bool;
+    /// Some texture is a checkerboard.
+    57 checkerboards HAS_CHECKERBOARDS: bool;
+    /// The formats of texels that there are: bit `TEXELS_*`.
+    58 texel_formats TEXEL_FORMATS: uint;
+    /// The ways that textures go on outside of themselves: bit `WRAP_*`.
+    59 wraps WRAPS: uint;
     /// First parameter of the technique.
     24 param0 PARAM0: uint;
     /// Second parameter of the technique.

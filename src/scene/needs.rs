@@ -3,10 +3,10 @@
 use super::Scene;
 use crate::layout::{
     CAMERA_PINHOLE, LIGHT_DIRECTIONAL, LIGHT_KINDS, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT,
-    LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE,
+    LIGHT_TRIANGLE, Layered, Light, MATERIAL_BLEND, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE,
     MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_KINDS,
     MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC,
-    MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation,
+    MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, NONE, SPHERE_BIT, Specialisation, TEXTURE_CHECKERBOARD, TEXTURE_IMAGE, Texture,
 };
 
 /// The kinds of material by `MATERIAL_*`.
@@ -43,6 +43,11 @@ fn is_large(light: &Light, scene: &Scene) -> bool {
     light.kind == LIGHT_TRIANGLE && b.distance(c).max(c.distance(a)).max(a.distance(b)) > LARGE * radius
 }
 
+/// The bits of all textures that hold texels.
+fn texture_bits(scene: &Scene, bits: impl Fn(&Texture) -> u32) -> u32 {
+    scene.textures.iter().filter(|texture| texture.kind == TEXTURE_IMAGE).fold(0, |all, texture| all | bits(texture))
+}
+
 /// What a scene uses. Each `false` is code that is not compiled in and memory that is not allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
@@ -68,6 +73,26 @@ pub struct Needs {
     pub material_textures: bool,
     /// Images with smaller levels of detail.
     pub mip_maps: bool,
+    /// Sheen of layered materials.
+    pub layered_sheen: bool,
+    /// Clear coats of layered materials.
+    pub layered_clearcoat: bool,
+    /// Layered materials that let light through.
+    pub layered_transmission: bool,
+    /// Layered materials that bound a volume.
+    pub layered_volume: bool,
+    /// Maps of normals.
+    pub normal_maps: bool,
+    /// Bump maps.
+    pub bump_maps: bool,
+    /// Textures of surfaces' opacity.
+    pub textured_masks: bool,
+    /// Textures of two colours in squares.
+    pub checkerboards: bool,
+    /// Formats of texels, by bit `TEXELS_*`.
+    pub texel_formats: u32,
+    /// How textures go on outside of themselves, by bit `WRAP_*`.
+    pub wraps: u32,
     /// Beckmann's microfacets.
     pub beckmann: bool,
     /// Light that is absorbed inside of materials.
@@ -102,6 +127,8 @@ impl Needs {
         let mut materials = [false; MATERIAL_KINDS as usize];
         let mut flags = 0;
         let mut textured = false;
+        let (mut normal_maps, mut bump_maps) = (false, false);
+        let mut layered: Vec<&Layered> = Vec::new();
         // Blends refer to materials that no surface names.
         let mut pending: Vec<u32> = scene.surfaces.iter().flat_map(|surface| [surface.front, surface.back]).collect();
         let mut seen = vec![false; scene.materials.len()];
@@ -112,7 +139,15 @@ impl Needs {
             let material = &scene.materials[index as usize];
             materials[material.kind as usize] = true;
             flags |= material.flags;
-            textured |= material.textures != NONE;
+            if material.textures != NONE {
+                let textures = &scene.material_textures[material.textures as usize];
+                normal_maps |= textures.normal != NONE;
+                bump_maps |= textures.bump != NONE;
+                textured = true;
+            }
+            if material.kind == MATERIAL_LAYERED {
+                layered.push(&scene.layereds[material.detail as usize]);
+            }
             if material.kind == MATERIAL_BLEND {
                 let blend = &scene.blends[material.detail as usize];
                 pending.extend([blend.first, blend.second]);
@@ -147,6 +182,16 @@ impl Needs {
             materials,
             material_textures: textured,
             mip_maps: scene.textures.iter().any(|texture| texture.levels > 1),
+            layered_sheen: layered.iter().any(|layers| layers.sheen_colour != [0.0; 3]),
+            layered_clearcoat: layered.iter().any(|layers| layers.clearcoat != 0.0),
+            layered_transmission: layered.iter().any(|layers| layers.transmission != 0.0),
+            layered_volume: layered.iter().any(|layers| layers.is_volume != 0),
+            normal_maps,
+            bump_maps,
+            textured_masks,
+            checkerboards: scene.textures.iter().any(|texture| texture.kind == TEXTURE_CHECKERBOARD),
+            texel_formats: texture_bits(scene, |texture| 1 << texture.format),
+            wraps: texture_bits(scene, |texture| 1 << (texture.sampling & 0xff) | 1 << (texture.sampling >> 8 & 0xff)),
             beckmann: flags & MICROFACET_BECKMANN != 0,
             absorption: flags & MATERIAL_HAS_ABSORPTION != 0,
             energy_compensation: flags & MATERIAL_IS_COMPENSATED != 0,
@@ -179,6 +224,16 @@ impl Needs {
             materials: [true; MATERIAL_KINDS as usize],
             material_textures: true,
             mip_maps: own.mip_maps,
+            layered_sheen: true,
+            layered_clearcoat: true,
+            layered_transmission: true,
+            layered_volume: true,
+            normal_maps: true,
+            bump_maps: true,
+            textured_masks: true,
+            checkerboards: true,
+            texel_formats: u32::MAX,
+            wraps: u32::MAX,
             beckmann: true,
             absorption: true,
             energy_compensation: true,
@@ -220,6 +275,16 @@ impl Needs {
         special.blends = material(MATERIAL_BLEND);
         special.material_textures = self.material_textures;
         special.mip_maps = self.mip_maps;
+        special.layered_sheen = self.layered_sheen;
+        special.layered_clearcoat = self.layered_clearcoat;
+        special.layered_transmission = self.layered_transmission;
+        special.layered_volume = self.layered_volume;
+        special.normal_maps = self.normal_maps;
+        special.bump_maps = self.bump_maps;
+        special.textured_masks = self.textured_masks;
+        special.checkerboards = self.checkerboards;
+        special.texel_formats = self.texel_formats;
+        special.wraps = self.wraps;
         special.beckmann = self.beckmann;
         special.absorption = self.absorption;
         special.energy_compensation = self.energy_compensation;
@@ -252,7 +317,15 @@ impl Needs {
             (self.back_materials, "two-sided surfaces"),
             (self.masks, "masks"),
             (self.material_textures, "textured materials"),
+            (self.normal_maps, "normal maps"),
+            (self.bump_maps, "bump maps"),
+            (self.textured_masks, "textured masks"),
+            (self.checkerboards, "checkerboards"),
             (self.mip_maps, "mip maps"),
+            (self.layered_sheen, "sheen"),
+            (self.layered_clearcoat, "clear coats"),
+            (self.layered_transmission, "transmission"),
+            (self.layered_volume, "volumes"),
             (self.beckmann, "Beckmann microfacets"),
             (self.absorption, "absorption"),
             (self.energy_compensation, "energy compensation"),
