@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use lumbre::backend::BACKENDS;
+use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Result};
-use lumbre::gpu::Gpu;
+use lumbre::gpu::{DeviceKind, Gpu};
+use lumbre::integrator::INTEGRATORS;
 use lumbre::output::check_writable;
-use lumbre::render::{Prediction, Settings, Technique};
+use lumbre::render::{KernelSize, Prediction, Settings, Technique, kernel_sizes};
 use lumbre::scene::Scene;
 
 use super::render::{parse_size, write_json};
@@ -55,7 +56,9 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
             Err(error) => Memory::Unknown { backend: row.name, unknown: error.to_string() },
         })
     });
-    let census = Census::of(&scene, memory.collect::<Result<_>>()?);
+    let memory = memory.collect::<Result<_>>()?;
+    let kind = gpu.as_ref().map_or(DeviceKind::Cpu, |gpu| gpu.survey().kind);
+    let census = Census::of(&scene, memory, kernels(&scene, kind)?);
     for repeat in &census.repeated_images {
         eprintln!(
             "warning: {}: image {} ({}) holds the same texels as image {} ({}): {} are wasted",
@@ -79,6 +82,16 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
 fn predict(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Prediction> {
     gpu.map_or(Ok(()), |gpu| gpu.require(settings.backend))?;
     Prediction::of(scene, settings, gpu)
+}
+
+/// What the kernels of each technique, with the default values of its parameters, keep for the scene.
+fn kernels(scene: &Scene, device: DeviceKind) -> Result<Vec<KernelSize>> {
+    let mut all = Vec::new();
+    for row in INTEGRATORS {
+        let settings = Settings::new(scene, Technique::parse(row.name)?, Backend::Bvh);
+        all.extend(kernel_sizes(scene, &settings, device)?);
+    }
+    Ok(all)
 }
 
 fn print_census(census: &Census) {
@@ -114,6 +127,10 @@ fn print_census(census: &Census) {
     print(&format!("needs      {}", census.needs.join(", ")));
     print(&format!("left out   {}", census.left_out.join(", ")));
     census.memory.iter().for_each(print_memory);
+    print("kernels    SPIR-V instructions that the scene needs, of those that there are");
+    for kernel in &census.kernels {
+        print(&format!("           {:<26} {:>6} of {:>6}", kernel.module, kernel.instructions, kernel.of));
+    }
 }
 
 fn print_memory(memory: &Memory) {

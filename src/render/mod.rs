@@ -47,6 +47,7 @@ use scratch::Scratch;
 pub use state::State;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
+use watch::while_compiling;
 pub use watch::{Building, Watch};
 
 pub use crate::gpu::modules_fingerprint as kernels_fingerprint;
@@ -118,8 +119,8 @@ impl Renderer {
         let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
         let build = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        watch(Building { doing: "compiling kernels", share: 0.0 });
-        let kernels = Kernel::several(gpu, scene, settings, &kernel::module_names(settings), &uploaded)?;
+        let names = kernel::module_names(settings);
+        let kernels = while_compiling(watch, || Kernel::several(gpu, scene, settings, &names, &uploaded))?;
         let passes: Vec<_> = taking_part.iter().map(|pass| **pass).zip(kernels).collect();
         let scratch = Scratch::new(gpu, settings)?;
         let stages = integrator::stages(taking_part.into_iter());
@@ -158,7 +159,7 @@ impl Renderer {
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
-        renderer.dispatch(Frame::NOTHING, true)?;
+        while_compiling(watch, || renderer.dispatch(Frame::NOTHING, true))?;
         renderer.seconds.compile = started.elapsed().as_secs_f64();
         renderer.quarter_patches(scene, watch)?;
         Ok(renderer)

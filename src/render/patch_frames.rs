@@ -20,7 +20,7 @@ impl Renderer {
             return Ok(());
         }
         let started = Instant::now();
-        watch(Building { doing: "quartering patches", share: 0.0 });
+        watch(Building { doing: "quartering patches", share: Some(0.0) });
         let mut quartered = Quartered::These(HashSet::new());
         for _ in 0..radiosity::LEVELS {
             self.radiosity = self.radiosity.take().map(Radiosity::on_trial);

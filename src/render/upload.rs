@@ -67,7 +67,7 @@ impl Uploaded {
             Backend::RayQuery => build_ray_query(gpu, scene, watch)?,
         };
         let mut structure_seconds = started.elapsed().as_secs_f64();
-        watch(Building { doing: "uploading the scene", share: 0.0 });
+        watch(Building { doing: "uploading the scene", share: Some(0.0) });
         let mut buffers = Vec::new();
         // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
         let primitives = Buffer::gathered(gpu, "primitives", &scene.primitives, &built.order)?;

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use serde::Serialize;
 
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE};
-use lumbre::render::Prediction;
+use lumbre::render::{KernelSize, Prediction};
 use lumbre::scene::texture::{Texels, TextureImage};
 use lumbre::scene::{Group, Needs, Scene};
 
@@ -38,6 +38,8 @@ pub(super) struct Census {
     pub warnings: Vec<String>,
     /// One entry per backend.
     pub memory: Vec<Memory>,
+    /// What each technique's kernels keep for this scene, on `bvh`.
+    pub kernels: Vec<KernelSize>,
 }
 
 /// How many there are of something.
@@ -77,7 +79,7 @@ pub(super) enum Memory {
 }
 
 impl Census {
-    pub fn of(scene: &Scene, memory: Vec<Memory>) -> Self {
+    pub fn of(scene: &Scene, memory: Vec<Memory>, kernels: Vec<KernelSize>) -> Self {
         let needs = Needs::of(scene);
         let (used, left_out) = needs.describe();
         let corner = |corner: glam::Vec3| (scene.origin + corner.as_dvec3()).to_array();
@@ -108,6 +110,7 @@ impl Census {
             left_out,
             warnings: scene.warnings.clone(),
             memory,
+            kernels,
         }
     }
 }

@@ -15,7 +15,7 @@ const INTERVAL: f64 = 10.0;
 /// Seconds before the first of them.
 const FIRST_LINE: f64 = 2.0;
 /// Seconds that building a scene may take before a bar appears: most scenes are done by then.
-const FIRST_BAR: f64 = 1.0;
+const FIRST_BAR: f64 = 0.5;
 
 /// A bar of a thousand steps on standard error, where that is a terminal.
 fn bar_on_terminal() -> Option<ProgressBar> {
@@ -28,7 +28,7 @@ fn bar_on_terminal() -> Option<ProgressBar> {
     })
 }
 
-/// Progress of what comes before rendering: the acceleration structure and the upload.
+/// Progress of what comes before rendering: the acceleration structure, the upload, the kernels.
 pub(super) struct BuildProgress {
     quiet: bool,
     started: Instant,
@@ -57,10 +57,11 @@ impl BuildProgress {
             shown.bar = bar_on_terminal();
         }
         if let Some(bar) = &shown.bar {
-            bar.set_position((building.share * 1000.0) as u64);
+            bar.set_position((building.share.unwrap_or(0.0) * 1000.0) as u64);
             bar.set_message(building.doing);
         } else if seconds >= shown.next_line {
-            eprintln!("{}, {:.0} %", building.doing, 100.0 * building.share);
+            let share = building.share.map_or(String::new(), |share| format!(", {:.0} %", 100.0 * share));
+            eprintln!("{}{share}", building.doing);
             shown.next_line = seconds + INTERVAL;
         }
     }

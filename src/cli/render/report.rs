@@ -9,7 +9,7 @@ use lumbre::error::Result;
 use lumbre::film::{BadSample, Film, Image};
 use lumbre::gpu::Gpu;
 use lumbre::output::{NamedLayer, Picture};
-use lumbre::render::{PatchReport, Renderer};
+use lumbre::render::{KernelSize, PatchReport, Renderer};
 use lumbre::scene::{Needs, Scene};
 
 use super::super::print;
@@ -40,6 +40,7 @@ pub(super) struct Report {
     nonfinite: u64,
     nonfinite_at: Vec<BadSample>,
     mean: [f64; 3],
+    kernels: Vec<KernelSize>,
     estimated_relmse: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     brightness: Option<Brightness>,
@@ -109,6 +110,7 @@ impl Report {
             nonfinite: film.nonfinite,
             nonfinite_at: film.bad_samples.clone(),
             mean: film.average(),
+            kernels: renderer.kernel_sizes(),
             estimated_relmse: film.estimated_relmse(),
             brightness: film
                 .brightness
