@@ -15,7 +15,7 @@ use clap::Args;
 use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
-use lumbre::gpu::Gpu;
+use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::integrator::{Kept, Missing};
 use lumbre::output::{Format, check_writable, format_of, replace_file};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
@@ -167,6 +167,26 @@ fn parse_sampler(text: &str) -> Result<Sampler, String> {
     Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
 
+/// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.
+const QUICK_SAMPLES: u64 = 1 << 18;
+
+/// Pixel samples that the rendering will come to: none where it is over at once, no end of them where that is not known.
+fn expected_samples(args: &RenderArgs, scene: &Scene) -> u64 {
+    match (args.time, args.error) {
+        (Some(seconds), _) if seconds < 2.0 => 0,
+        (Some(_), _) | (None, Some(_)) => u64::MAX,
+        (None, None) => {
+            let (width, height) = args.size.unwrap_or((scene.film.width, scene.film.height));
+            u64::from(width) * u64::from(height) * u64::from(asked_spp(args, scene))
+        }
+    }
+}
+
+/// Samples per pixel that end the rendering, where time and error do not.
+fn asked_spp(args: &RenderArgs, scene: &Scene) -> u32 {
+    args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP)
+}
+
 const AOVS: [&str; 2] = ["variance", "samples"];
 
 /// What to do, checked before anything is rendered.
@@ -190,6 +210,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let load = started.elapsed().as_secs_f64();
     if !args.quiet {
         print_warnings(&scene);
+    }
+    if expected_samples(args, &scene) <= QUICK_SAMPLES {
+        compile_quickly();
     }
     let gpu = args.device.open()?;
     let (mut settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
@@ -362,14 +385,9 @@ fn settle(
     let spp = match (args.time, args.error) {
         (Some(_), _) => u32::MAX,
         (None, Some(_)) => args.spp.unwrap_or(u32::MAX),
-        (None, None) => args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP),
+        (None, None) => asked_spp(args, scene),
     };
-    settings.expected_samples = match args.time {
-        Some(seconds) if seconds < 2.0 => 0,
-        Some(_) => u64::MAX,
-        None if args.error.is_some() => u64::MAX,
-        None => u64::from(settings.width) * u64::from(settings.height) * u64::from(spp),
-    };
+    settings.expected_samples = expected_samples(args, scene);
     Ok((settings, Job { outputs, spp, time: args.time }))
 }
 

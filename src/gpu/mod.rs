@@ -9,6 +9,7 @@ mod device;
 mod fault;
 mod frame;
 mod instance;
+mod mesa;
 mod pipeline;
 mod survey;
 
@@ -16,5 +17,6 @@ pub use buffer::Buffer;
 pub use device::{Gpu, Limits};
 pub use frame::{Commands, Work};
 pub use instance::Instance;
+pub use mesa::compile_quickly;
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use survey::{DeviceKind, Survey};
