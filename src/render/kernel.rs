@@ -18,7 +18,7 @@ pub(super) struct Kernel {
     pub scene: Arc<Uploaded>,
     /// What the pipeline was made of.
     module: String,
-    constants: Vec<(u32, u32)>,
+    constants: Constants,
     driver_specialises: bool,
 }
 
@@ -68,6 +68,9 @@ impl Kernel {
     }
 }
 
+/// Values of specialisation constants, as (id, bits).
+pub type Constants = Vec<(u32, u32)>;
+
 /// How much of a module is left for a scene.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct KernelSize {
@@ -87,7 +90,7 @@ fn constants(
     device: DeviceKind,
     stack_size: u32,
     inline: &[Primitive],
-) -> Result<Vec<(u32, u32)>> {
+) -> Result<Constants> {
     let [param0, param1, param2, param3] = settings.technique.words();
     let mut special = Specialisation {
         length_layers: settings.layers(),
@@ -124,7 +127,7 @@ pub(super) fn module_names(settings: &Settings) -> Vec<String> {
 
 /// The modules of a rendering's passes and the values of their specialisation constants, as (id, bits), as they are for a device of this kind.
 /// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left.
-pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Vec<(u32, u32)>)> {
+pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Constants)> {
     Ok((module_names(settings), constants(scene, settings, device, 1, &[])?))
 }
 

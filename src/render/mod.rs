@@ -39,7 +39,7 @@ use crate::scene::patches::Quartered;
 use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
-pub use kernel::{KernelSize, kernel_sizes, modules_of};
+pub use kernel::{Constants, KernelSize, kernel_sizes, modules_of};
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
 use radiosity::Radiosity;
