@@ -18,7 +18,7 @@ void show_light(Pixel pixel, Path path, EmittedRay e, inout uint rays) {
     if (!seen.visible) return;
     vec3 value = e.shown * (seen.cosine * seen.camera.importance / (seen.camera.distance2 * light_path_count()));
     uint seen_by = splat_pixel(seen.camera.position, seen.u, value);
-    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * segment_transmittance(seen.ray, e.absorption, rays));
+    if (seen_by != NONE) splat(seen_by, pixel.sample_index, 1u, value * ray_transmittance(seen.ray, e.absorption, rays));
 }
 
 // Follows the path to its next vertex, shows that to the camera, and chooses the ray after it.
@@ -41,7 +41,7 @@ bool light_path_extend(Pixel pixel, inout Path path, vec3 power, inout uint rays
         value *= view.importance / (view.distance2 * light_path_count());
         uint seen_by = view.visible && value != vec3(0.0) ? splat_pixel(view.position, u.zw, value) : NONE;
         if (seen_by != NONE) {
-            value *= segment_transmittance(vertex_ray_to(v, view.direction, view.target), vertex_absorption(v, b, path.absorption, local), rays);
+            value *= ray_transmittance(vertex_ray_to(v, view.direction, view.target), vertex_absorption(v, b, path.absorption, local), rays);
             splat(seen_by, pixel.sample_index, length, value);
         }
     }

@@ -95,11 +95,11 @@ bool radiance(inout Path path, inout Estimate e) {
         Bsdf b = vertex_material(v, path.ray, path.random);
         vec4 light_u = next4(path.random);
         vec4 bsdf_u = next4(path.random);
-        call.direct = next_event(path, v, b, handed_down, light_u, e.rays);
+        BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
+        call.direct = next_event(path, v, b, handed_down, light_u, s, e.rays);
         if (!RETURNS_RADIANCE) contribute(e, path.depth + 2u, call.direct);
 
         // The inner call.
-        BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);
         path_scatter(path, v, b, s);
         float survival = path_survival(path, path.eta * path.eta);
         ends = bsdf_u.w >= survival;

@@ -4,42 +4,58 @@
 
 layout(local_size_x = WORKGROUP) in;
 
-// s > 1: connections to the vertices of one light path. All are weighed, and one ray is traced for them: along one of those that were
-// chosen in proportion to what they would bring, which stands for all (Talbot, Cline and Egbert 2005, "Importance resampling for global
-// illumination"). Layers of strategies have a ray for each.
-void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, float u, inout Estimate e) {
+// s = 1 and s > 1: joins the vertex to a sample of the lights, then to the vertices of one light path. The latter are all weighed, and one ray
+// is traced for them: along one of those that were chosen in proportion to what they would bring, which stands for all (Talbot, Cline and Egbert
+// 2005, "Importance resampling for global illumination"). Layers of strategies have a ray for each. Rays come last, in turns of their own.
+void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, bool both_sides, vec4 light_u, float u, inout Estimate e) {
     uint index = pixel.index % frame.light_path_count;
-    Sampler random = light_path_random(index, pixel.sample_index);
+    uint t = path.depth + 2u, count = 0u;
+    End end;
+    end.u = light_u;
+    end.random = light_path_random(index, pixel.sample_index);
     LightPath others = light_path_of(index, pixel.sample_index);
-    uint t = path.depth + 2u, s = 0u;
+    if (both_sides) count = others.count;
     float total = 0.0, share = 0.0;
-    Connection chosen;
-    for (uint i = 0u; i < others.count; i++) {
-        LightVertex y = others.at[i];
-        if (t + y.segments > longest()) break;
-        Connection c = connect(path, v, b, p, y, random);
-        if (c.value == vec3(0.0)) continue;
-        c.value *= path.throughput;
+    uint s = 0u;
+    Connection to_light, chosen;
+    for (uint turn = 0u; turn <= count; turn++) {
+        end.light = turn == 0u;
+        if (!end.light) {
+            end.y = others.at[turn - 1u];
+            if (t + end.y.segments > longest()) break;
+        }
+        Connection c = join(path, v, b, p, both_sides, end);
+        uint from_light = end.light ? 1u : end.y.segments + 1u;
         if (HAS_STRATEGIES) {
-            gather(pixel, e, y.segments + 1u, t, c.value * segment_transmittance(c.ray, c.absorption, e.rays), c.weight);
+            if (c.value != vec3(0.0)) gather_connection(pixel, e, from_light, t, c);
             continue;
         }
+        if (end.light) to_light = c;
+        if (end.light || c.value == vec3(0.0)) continue;
         float brings = max(c.value.x, max(c.value.y, c.value.z)) * c.weight;
         if (brings <= 0.0) continue;
-        if (!(brings < INFINITY)) gather(pixel, e, y.segments + 1u, t, c.value, c.weight); // counted, and dropped, with all that the pixel's sample has
+        if (!(brings < INFINITY)) gather(pixel, e, from_light, t, c.value, c.weight); // counted, and dropped, with all that the pixel's sample has
         total += brings;
         // Chooses by what is left of the same number (Chao 1982).
         float probability = brings / total;
         if (u < probability) {
             chosen = c;
             share = brings;
-            s = y.segments + 1u;
+            s = from_light;
             u /= probability;
         } else {
             u = (u - probability) / (1.0 - probability);
         }
     }
-    if (share > 0.0) gather(pixel, e, s, t, chosen.value * segment_transmittance(chosen.ray, chosen.absorption, e.rays), chosen.weight * (total / share));
+    if (HAS_STRATEGIES) return;
+    for (uint turn = 0u; turn < turns(2u); turn++) {
+        bool light = turn == 0u;
+        Connection c = to_light;
+        if (!light) c = chosen;
+        if (light ? c.value == vec3(0.0) : share == 0.0) continue;
+        if (!light) c.weight *= total / share;
+        gather_connection(pixel, e, light ? 1u : s, t, c);
+    }
 }
 
 bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e) {
@@ -69,14 +85,12 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
-        if (CONNECTS) gather_light(pixel, path, v, b, p, both_sides, light_u, e);
-        if (CONNECTS && both_sides) gather_connections(pixel, path, v, b, p, next4(path.random).x, e);
+        if (CONNECTS) gather_connections(pixel, path, v, b, p, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
         if (MERGES && both_sides) gather_merges(path, v, b, p, e);
         if (MERGES_FIRST) return false;
     }
 
-    BsdfSample s = vertex_sample(v, b, path.ray, bsdf_u.xyz);
-    partial_leave(p, v, b, s);
+    BsdfSample s = partial_leave(p, v, b, path.ray, bsdf_u.xyz);
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }

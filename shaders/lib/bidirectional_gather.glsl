@@ -49,15 +49,76 @@ void gather_emission(Pixel pixel, Path path, Hit hit, Vertex v, Partial p, bool 
     gather(pixel, e, 0u, path.depth + 2u, path.throughput * emission, weight);
 }
 
-// s = 1: next-event estimation.
-void gather_light(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, bool both_sides, vec4 u, inout Estimate e) {
-    LightSample light = light_sample(vertex_receiver(v, b), u);
-    vec3 wi = vertex_to_local(v, light.wi);
-    vec3 value = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight;
-    if (value == vec3(0.0)) return;
-    float found_w = light.delta ? 0.0 : bsdf_pdf(b, v.wo, wi);
-    float others = mis(found_w / light.pdf_w);
-    if (both_sides) others += partial_sum(p, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), bsdf_pdf(b, wi, v.wo), vertex_opacity(v));
-    value *= vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays);
-    gather(pixel, e, 1u, path.depth + 2u, value, 1.0 / (1.0 + others));
+// A vertex of a path from the camera joined to a light or to a vertex of a light path.
+struct Connection {
+    vec3 value;      // contribution, were nothing in between
+    float weight;    // of this among all strategies for the whole path
+    Ray ray;         // from the first to the second
+    vec3 absorption; // in between
+};
+
+// What is to be joined to: a sample of the lights (s = 1, next-event estimation), or a vertex of a light path (s > 1). Both in one function, so that
+// a kernel holds the BSDF at the camera's vertex once.
+struct End {
+    bool light;
+    vec4 u;         // chooses the sample of the lights
+    LightVertex y;  // the vertex otherwise
+    Sampler random; // at the beginning of its path
+};
+
+Connection join(Path path, Vertex v, Bsdf b, Partial p, bool both_sides, End end) {
+    Connection joined;
+    joined.value = vec3(0.0);
+    LightSample light = no_light();
+    Vertex w;
+    Bsdf c;
+    Ray arrived = Ray(end.y.position, end.y.direction, INFINITY);
+    float distance2 = 1.0;
+    vec3 towards;
+    if (end.light) {
+        light = light_sample(vertex_receiver(v, b), end.u);
+        towards = light.wi;
+    } else {
+        w = vertex_at(arrived, Hit(0.0, end.y.primitive, end.y.instance, end.y.uv));
+        end.random.dimension = end.y.dimension;
+        c = vertex_material(w, arrived, end.random);
+        vec3 d = w.at.position - v.at.position;
+        distance2 = dot(d, d);
+        if (distance2 == 0.0) return joined;
+        towards = d * inversesqrt(distance2);
+    }
+    vec3 local = vertex_to_local(v, towards), other = vec3(0.0);
+    vec3 f = vertex_eval(v, b, path.ray, local, towards);
+    if (end.light) {
+        joined.value = path.throughput * f * light.weight;
+    } else {
+        other = vertex_to_local(w, -towards);
+        joined.value = end.y.power * f * light_vertex_eval(w, c, arrived, other, -towards) / distance2;
+    }
+    if (joined.value == vec3(0.0)) return joined;
+
+    vec2 pdf_w = bsdf_pdf_both(b, v.wo, local);
+    float opacity = vertex_opacity(v);
+    float others;
+    if (end.light) {
+        others = mis((light.delta ? 0.0 : pdf_w.x) / light.pdf_w);
+        if (both_sides) others += partial_sum(p, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), pdf_w.y, opacity);
+        joined.ray = vertex_shadow_ray(v, light);
+    } else {
+        joined.value *= path.throughput;
+        vec2 far_pdf_w = bsdf_pdf_both(c, w.wo, other);
+        float area = scaled_area(distance2);
+        float from_light = far_pdf_w.x * abs(dot(towards, v.at.normal)) / area;
+        float from_camera = pdf_w.x * abs(dot(towards, w.at.normal)) / area;
+        others = partial_sum(p, from_light, pdf_w.y, opacity) + partial_sum(Partial(end.y.d_vcm, end.y.d_vc), from_camera, far_pdf_w.y, vertex_opacity(w));
+        joined.ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
+    }
+    joined.weight = 1.0 / (1.0 + others);
+    joined.absorption = vertex_absorption(v, b, path.absorption, local);
+    return joined;
+}
+
+// Adds what (s, t) brings, as far as it comes through.
+void gather_connection(Pixel pixel, inout Estimate e, uint s, uint t, Connection c) {
+    gather(pixel, e, s, t, c.value * ray_transmittance(c.ray, c.absorption, e.rays), c.weight);
 }

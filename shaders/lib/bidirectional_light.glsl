@@ -8,7 +8,7 @@ layout(local_size_x = WORKGROUP) in;
 void show(Pixel pixel, Shown shown, uint s, inout uint rays) {
     uint seen_by = shown.value != vec3(0.0) ? splat_pixel(shown.position, shown.u, shown.value) : NONE;
     if (seen_by == NONE) return;
-    shown.value *= segment_transmittance(shown.ray, shown.absorption, rays);
+    shown.value *= ray_transmittance(shown.ray, shown.absorption, rays);
     if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, s, 1u, shown.value, shown.weight);
     else splat(seen_by, pixel.sample_index, s, shown.value * shown.weight);
 }
@@ -31,9 +31,9 @@ void show_lens(Pixel pixel, Path path, vec3 power, Ray ray, float end, Partial p
     else splat(seen_by, pixel.sample_index, path.depth + 1u, value * weight);
 }
 
-// Follows the path to its next vertex, keeps that, shows it to the camera, and chooses the ray after it. `met` counts the vertices of
+// Follows the path to its next vertex, keeps that, and chooses the ray after it; `shown` is what the vertex shows to the camera. `met` counts the vertices of
 // the path that were kept, or would have been if there were room.
-bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path path, inout Partial p, inout uint met, inout uint rays) {
+bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path path, inout Partial p, inout uint met, inout Shown shown, inout uint rays) {
     Hit hit;
     Interaction at;
     Ray ray = path.ray;
@@ -62,11 +62,11 @@ bool light_path_extend(Pixel pixel, LightPath keeping, EmittedRay e, inout Path 
             if (place != NONE) keeping.at[place] = kept;
             met += 1u;
         }
-        if (CONNECTS) show(pixel, shown_vertex(path, e.power, v, b, p, u), length, rays);
+        if (CONNECTS) shown = shown_vertex(path, e.power, v, b, p, u);
     }
     if (length >= longest() && !to_lens) return false; // one more segment for the lens
-    BsdfSample s = light_vertex_sample(v, b, path.ray, bsdf_u.xyz);
-    partial_leave(p, v, b, s);
+    BsdfSample s = partial_leave(p, v, b, path.ray, bsdf_u.xyz);
+    s.weight *= adjoint_factor(v, path.ray, s);
     path_scatter(path, v, b, s);
     return path_survives(path, 1.0, bsdf_u.w);
 }
@@ -82,13 +82,25 @@ void main() {
     LightPath keeping;
     bool alive = false;
     while (alive || pixel_has_sample(pixel)) {
+        // The light itself at the beginning, and the vertex that the path comes to: shown in turns, so that the kernel traces such rays in one place.
+        Shown light, vertex;
+        light.value = vertex.value = vec3(0.0);
         if (!alive) {
             path = light_path_begin(pixel.index, pixel.sample_index, emitted);
             keeping = light_path_of(pixel.index, pixel.sample_index);
             met = 0u;
-            if (CONNECTS && MAX_DEPTH > 0u) show(pixel, shown_light(path, emitted), 1u, rays);
+            if (CONNECTS && MAX_DEPTH > 0u) light = shown_light(path, emitted);
         }
-        alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0) && light_path_extend(pixel, keeping, emitted, path, p, met, rays);
+        uint s = path.depth + 2u;
+        alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0) && light_path_extend(pixel, keeping, emitted, path, p, met, vertex, rays);
+        if (CONNECTS) {
+            for (uint turn = 0u; turn < turns(2u); turn++) {
+                bool first = turn == 0u;
+                Shown shown = vertex;
+                if (first) shown = light;
+                if (shown.value != vec3(0.0)) show(pixel, shown, first ? 1u : s, rays);
+            }
+        }
         if (!alive) {
             keep_count(keeping, met);
             pixel.sample_index += 1u;

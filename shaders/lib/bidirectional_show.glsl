@@ -36,9 +36,10 @@ Shown shown_vertex(Path path, vec3 power, Vertex v, Bsdf b, Partial p, vec4 u) {
     if (!view.visible) shown.value = vec3(0.0);
     if (shown.value == vec3(0.0)) return shown;
     float camera_a = view.importance * abs(dot(view.direction, v.at.normal)) / (scaled_area(view.distance2) * light_path_count());
-    float others = partial_sum(p, camera_a, bsdf_pdf(b, local, v.wo), vertex_opacity(v));
     float lens_a = lens_choice();
-    if (lens_a > 0.0) others += mis(bsdf_pdf(b, v.wo, local) * lens_cosine(view.direction) / (scaled_area(view.distance2) * lens_a)); // t = 0
+    vec2 pdf_w = lens_a > 0.0 ? bsdf_pdf_both(b, v.wo, local) : vec2(0.0, bsdf_pdf(b, local, v.wo));
+    float others = partial_sum(p, camera_a, pdf_w.y, vertex_opacity(v));
+    if (lens_a > 0.0) others += mis(pdf_w.x * lens_cosine(view.direction) / (scaled_area(view.distance2) * lens_a)); // t = 0
     shown.weight = 1.0 / (1.0 + others);
     shown.value *= view.importance / (view.distance2 * light_path_count());
     shown.position = view.position;

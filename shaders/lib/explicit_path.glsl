@@ -24,10 +24,11 @@ bool path_extend(inout Path path, inout Estimate e) {
     // 2. Next-event estimation: a sample of the lights, weighted against the chance that the BSDF picks its direction.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    contribute(e, path.depth + 2u, next_event(path, v, b, path.throughput, light_u, e.rays));
+    BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
+    contribute(e, path.depth + 2u, next_event(path, v, b, path.throughput, light_u, s, e.rays));
 
     // 3. The next direction.
-    path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));
+    path_scatter(path, v, b, s);
 
     // 4. Russian roulette. Radiance that is scaled by crossing into glass comes back when it leaves: eta^2 takes that out of the
     // decision.

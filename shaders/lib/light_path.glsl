@@ -66,12 +66,6 @@ LightView light_view(EmittedRay e, Sampler random) {
     return v;
 }
 
-// Share of light that passes along a ray with two ends through a medium.
-vec3 segment_transmittance(Ray ray, vec3 absorption, inout uint rays) {
-    float through = trace_transmittance(ray, rays);
-    return HAS_ABSORPTION ? through * exp(-absorption * ray.t_max) : vec3(through);
-}
-
 // Where to keep a vertex of a path that has `met` as many before it; NONE is nowhere. Where there are more than there is room for, those
 // kept are a uniform choice of all so far (Vitter 1985, algorithm R), so that memory is bounded and no length of path is left out.
 uint keep_place(uint met, inout Sampler random) {

@@ -8,8 +8,8 @@
 float merge_weight(Vertex v, Bsdf b, Partial p, LightVertex y, vec3 local) {
     if (MERGES_FIRST) return 1.0; // nothing else finds the path
     float opacity = vertex_opacity(v);
-    return 1.0 / (1.0 + partial_merge_sum(p, bsdf_pdf(b, local, v.wo), opacity) +
-                  partial_merge_sum(Partial(y.d_vcm, y.d_vc), bsdf_pdf(b, v.wo, local), opacity));
+    vec2 pdf_w = bsdf_pdf_both(b, v.wo, local);
+    return 1.0 / (1.0 + partial_merge_sum(p, pdf_w.y, opacity) + partial_merge_sum(Partial(y.d_vcm, y.d_vc), pdf_w.x, opacity));
 }
 
 void gather_merges(Path path, Vertex v, Bsdf b, Partial p, inout Estimate e) {

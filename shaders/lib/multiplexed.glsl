@@ -36,11 +36,10 @@ void multiplexed_begin_camera(inout Multiplexed m) {
     m.partial = partial_camera(camera_importance(m.path.ray.direction), lens_choice(), lens_cosine(m.path.ray.direction));
 }
 
-// Adds what the light's part shows to the camera.
-void multiplexed_show(inout Multiplexed m, Shown shown, inout Estimate e) {
-    if (shown.value == vec3(0.0)) return;
-    m.position = shown.position;
-    contribute(e, m.s, shown.value * segment_transmittance(shown.ray, shown.absorption, e.rays) * shown.weight);
+// What the light's part shows to the camera, as a connection.
+Connection multiplexed_show(inout Multiplexed m, Shown shown) {
+    if (shown.value != vec3(0.0)) m.position = shown.position;
+    return Connection(shown.value, shown.weight, shown.ray, shown.absorption);
 }
 
 // Begins a path; `random` is at its beginning. Of kind 0 is what the camera finds, others are as many segments long. Returns whether anything
@@ -66,21 +65,17 @@ bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiple
     m.emitted = light_emit(a, b);
     m.from_light = true;
     m.path = path_along(Ray(m.emitted.origin, m.emitted.direction, INFINITY), m.light_random, false);
-    if (m.s > 1u) return m.emitted.power != vec3(0.0);
-    multiplexed_show(m, shown_light(m.path, m.emitted), e);
-    m.light_random.dimension += 1u; // what showed it
-    return false;
+    return m.s == 1u || m.emitted.power != vec3(0.0);
 }
 
-// What the camera's part finds of the light's at its last vertex.
-void multiplexed_join(inout Multiplexed m, Vertex v, Bsdf b, inout Estimate e) {
-    Connection c = connect(m.path, v, b, m.partial, m.end, m.light_random);
-    c.value *= m.path.throughput;
-    if (c.value != vec3(0.0)) contribute(e, m.s + m.t - 1u, c.value * segment_transmittance(c.ray, c.absorption, e.rays) * c.weight);
-}
-
-// Follows the part that is being made to its next vertex; returns whether anything is left to follow.
-bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
+// Follows the part that is being made to its next vertex; returns whether anything is left to follow. What it finds there along a connection is
+// still to be added, were nothing in between.
+bool multiplexed_step(inout Multiplexed m, inout Estimate e, inout Connection found_by) {
+    if (!m.by_camera && m.s == 1u) {
+        found_by = multiplexed_show(m, shown_light(m.path, m.emitted));
+        m.light_random.dimension += 1u; // what showed it
+        return false;
+    }
     Hit hit;
     Interaction at;
     Pixel anywhere;
@@ -117,7 +112,7 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
     if (last && bsdf_is_delta(b)) return false;
 
     if (last && m.from_light && m.t == 1u) {
-        multiplexed_show(m, shown_vertex(m.path, m.emitted.power, v, b, m.partial, light_u), e);
+        found_by = multiplexed_show(m, shown_vertex(m.path, m.emitted.power, v, b, m.partial, light_u));
         return false;
     }
     if (last && m.from_light) {
@@ -126,16 +121,23 @@ bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
         multiplexed_begin_camera(m);
         return true;
     }
-    if (m.by_camera && !bsdf_is_delta(b)) gather_light(anywhere, m.path, v, b, m.partial, segments < longest(), light_u, e);
-    if (last) {
-        multiplexed_join(m, v, b, e);
-        return false;
-    }
+    // What the camera finds of the lights at each vertex, or of the light's part at the last one.
+    if (last || m.by_camera && !bsdf_is_delta(b)) found_by = join(m.path, v, b, m.partial, segments < longest(), End(!last, light_u, m.end, m.light_random));
+    if (last) return false;
 
-    BsdfSample s = vertex_sample(v, b, m.path.ray, bsdf_u.xyz);
+    BsdfSample s = partial_leave(m.partial, v, b, m.path.ray, bsdf_u.xyz);
     if (m.from_light) s.weight *= adjoint_factor(v, m.path.ray, s);
-    partial_leave(m.partial, v, b, s);
     path_scatter(m.path, v, b, s);
     if (m.by_camera) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
     return m.path.throughput != vec3(0.0);
+}
+
+bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
+    Connection found_by;
+    found_by.value = vec3(0.0);
+    // Segments of the whole path: by the camera alone one more than it has.
+    uint segments = m.by_camera ? m.path.depth + 2u : m.s + m.t - 1u;
+    bool left = multiplexed_step(m, e, found_by);
+    if (found_by.value != vec3(0.0)) contribute(e, segments, found_by.value * ray_transmittance(found_by.ray, found_by.absorption, e.rays) * found_by.weight);
+    return left;
 }

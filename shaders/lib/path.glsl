@@ -105,14 +105,23 @@ vec3 vertex_to_local(Vertex v, vec3 w) {
 // would leak through.
 bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
 
+// Whether light goes from one direction to the other, the local and world forms of the second being given.
+bool vertex_scatters(Vertex v, Ray ray, vec3 local, vec3 world) {
+    return !v.mapped || vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, local, world);
+}
+
 vec3 vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
-    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, local, world))) return vec3(0.0);
-    return bsdf_eval(b, v.wo, local);
+    return vertex_scatters(v, ray, local, world) ? bsdf_eval(b, v.wo, local) : vec3(0.0);
+}
+
+// Takes the weight of a sample that is not sound.
+void vertex_check(Vertex v, Ray ray, inout BsdfSample s) {
+    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, s.wi, vertex_to_world(v, s.wi)))) s.weight = vec3(0.0);
 }
 
 BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
     BsdfSample s = bsdf_sample(b, v.wo, u);
-    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, s.wi, vertex_to_world(v, s.wi)))) s.weight = vec3(0.0);
+    vertex_check(v, ray, s);
     return s;
 }
 
@@ -147,12 +156,16 @@ vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
     return local.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }
 
-// Share of the light sample that reaches the vertex of a path in a medium of this absorption.
-vec3 vertex_transmittance(Vertex v, LightSample light, vec3 absorption, inout uint rays) {
-    Ray ray = vertex_shadow_ray(v, light);
+// Share of light that passes along a ray through a medium of this absorption, from end to end.
+vec3 ray_transmittance(Ray ray, vec3 absorption, inout uint rays) {
     float through = trace_transmittance(ray, rays);
     if (!HAS_ABSORPTION || absorption == vec3(0.0)) return vec3(through);
-    return light.distant ? vec3(0.0) : through * exp(-absorption * ray.t_max);
+    return ray.t_max == INFINITY ? vec3(0.0) : through * exp(-absorption * ray.t_max);
+}
+
+// Share of the light sample that reaches the vertex of a path in a medium of this absorption.
+vec3 vertex_transmittance(Vertex v, LightSample light, vec3 absorption, inout uint rays) {
+    return ray_transmittance(vertex_shadow_ray(v, light), absorption, rays);
 }
 
 // Takes away what the medium absorbed on the way to the vertex.

@@ -99,4 +99,8 @@ uint light_count() { return LIGHT_COUNT == NONE ? scene.light_count : LIGHT_COUN
 
 bool is_sphere(Primitive primitive) { return HAS_SPHERES && (primitive.surface & SPHERE_BIT) != 0u; }
 
+// So many turns of a loop whose body is to stand in the kernel once: a number that the compiler of a CPU device cannot see, so that it does
+// not write the body down as often.
+uint turns(uint count) { return UNROLL ? count : count + (frame.width == 0u ? 1u : 0u); }
+
 #include "lib/instance.glsl"

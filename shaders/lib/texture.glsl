@@ -51,7 +51,7 @@ Footprint texture_footprint(Texture t, vec2 position, bool nearest) {
 
 // How many turns a loop over a footprint takes. GPUs take a number that their compiler knows and may unroll, so that the reads wait
 // together (a texel too many has weight 0); for a CPU driver it depends on data, as each copy of the loop's body is long to compile.
-uint texel_turns(Footprint f) { return UNROLL_TEXELS ? 4u : f.texels; }
+uint texel_turns(Footprint f) { return UNROLL ? 4u : f.texels; }
 
 ivec2 texel_of_turn(uint turn) { return ivec2(turn & 1u, turn >> 1u); }
 

@@ -12,7 +12,17 @@ struct BsdfSample {
     float pdf_w;  // over solid angle of wi; of a delta lobe, the discrete probability of choosing it
     bool delta;
     float eta;    // index ratio that a refraction crossed, 1 otherwise
+    bool open;    // weight and pdf_w are still to be evaluated, by bsdf_eval and bsdf_pdf
 };
+
+// A sample whose weight the lobe's own formula gives.
+BsdfSample bsdf_sampled(vec3 wi, vec3 weight, float pdf_w, bool delta, float eta) { return BsdfSample(wi, weight, pdf_w, delta, eta, false); }
+
+// One of a mixture of lobes, which have to be added up.
+BsdfSample bsdf_open_sample(vec3 wi, float eta) { return BsdfSample(wi, vec3(0.0), 0.0, false, eta, true); }
+
+// None.
+BsdfSample bsdf_no_sample(vec3 wi) { return BsdfSample(wi, vec3(0.0), 0.0, false, 1.0, false); }
 
 #include "lib/microfacet.glsl"
 #include "materials/diffuse.glsl"
@@ -75,9 +85,9 @@ bool bsdf_is_delta(Bsdf b) {
 // Some lobe passes light through: its frame is never turned round.
 bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 0u; }
 
-// A direction for the given uniform numbers; weight and density include the choice of the lobe.
-BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
-    BsdfSample s = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, false, 1.0);
+// A direction for the given uniform numbers; weight and density include the choice of the lobe. It may be left open.
+BsdfSample bsdf_choose(Bsdf b, vec3 wo, vec3 u) {
+    BsdfSample s = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
     float probability = 0.0; // of the lobe that compensates
     bool compensates = false;
     if (is_compensated(b.m)) {
@@ -127,4 +137,39 @@ float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
         pdf = mix(pdf, compensation_pdf(b.m, b.compensation, wo, wi), probability);
     }
     return pdf;
+}
+
+// Some BSDF is long to compile.
+const bool HAS_LONG_BSDF =
+    HAS_ROUGH_CONDUCTOR || HAS_ROUGH_DIELECTRIC || HAS_ROUGH_PLASTIC || HAS_PRINCIPLED || HAS_LAYERED || HAS_ENERGY_COMPENSATION;
+
+// Some sample is left open.
+const bool HAS_OPEN_SAMPLES = HAS_ROUGH_PLASTIC || HAS_PRINCIPLED || HAS_LAYERED;
+
+// Densities over solid angle with which bsdf_sample picks wi for wo, and wo for wi.
+vec2 bsdf_pdf_both(Bsdf b, vec3 wo, vec3 wi) {
+    if (!HAS_LONG_BSDF) return vec2(bsdf_pdf(b, wo, wi), bsdf_pdf(b, wi, wo));
+    vec2 pdf = vec2(0.0);
+    for (uint turn = 0u; turn < turns(2u); turn++) {
+        bool back = turn > 0u;
+        float found = bsdf_pdf(b, back ? wi : wo, back ? wo : wi);
+        if (back) pdf.y = found;
+        else pdf.x = found;
+    }
+    return pdf;
+}
+
+// Gives a sample that was left open its density, which is known, and its weight.
+void bsdf_close(Bsdf b, vec3 wo, float pdf_w, inout BsdfSample s) {
+    if (!HAS_OPEN_SAMPLES || !s.open) return;
+    s.pdf_w = pdf_w;
+    s.weight = pdf_w > 0.0 ? bsdf_eval(b, wo, s.wi) / pdf_w : vec3(0.0);
+    s.open = false;
+}
+
+// A direction for the given uniform numbers; weight and density include the choice of the lobe.
+BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
+    BsdfSample s = bsdf_choose(b, wo, u);
+    if (HAS_OPEN_SAMPLES && s.open) bsdf_close(b, wo, bsdf_pdf(b, wo, s.wi), s);
+    return s;
 }

@@ -2,7 +2,7 @@
 
 BsdfSample diffuse_sample(Material m, vec3 wo, vec3 u) {
     vec3 wi = sample_cosine_hemisphere(u.xy);
-    return BsdfSample(wi, m.reflectance, wi.z * INV_PI, false, 1.0);
+    return bsdf_sampled(wi, m.reflectance, wi.z * INV_PI, false, 1.0);
 }
 
 vec3 diffuse_eval(Material m, vec3 wo, vec3 wi) { return m.reflectance * (INV_PI * max(0.0, wi.z)); }

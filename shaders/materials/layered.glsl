@@ -205,7 +205,7 @@ float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
 }
 
 BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
-    BsdfSample none = BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
+    BsdfSample none = bsdf_no_sample(wo);
     vec3 lobes = layered_lobes(m, l, wo);
     float side = wo.z > 0.0 ? 1.0 : -1.0;
     bool inside = wo.z < 0.0 && layered_refracts(l);
@@ -231,6 +231,5 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
         }
     }
     if ((wi.z * wo.z < 0.0) != through) return none;
-    float pdf = layered_pdf(m, l, wo, wi);
-    return BsdfSample(wi, pdf > 0.0 ? layered_eval(m, l, wo, wi) / pdf : vec3(0.0), pdf, false, eta);
+    return bsdf_open_sample(wi, eta);
 }

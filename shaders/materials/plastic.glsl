@@ -19,10 +19,10 @@ BsdfSample plastic_sample(Material m, Plastic p, vec3 wo, vec3 u) {
     float cos_t;
     float f_o = fresnel_dielectric(wo.z, m.eta, cos_t);
     float coating = plastic_coating_probability(p, f_o);
-    if (u.z < coating) return BsdfSample(vec3(-wo.xy, wo.z), p.specular * (f_o / coating), coating, true, 1.0);
+    if (u.z < coating) return bsdf_sampled(vec3(-wo.xy, wo.z), p.specular * (f_o / coating), coating, true, 1.0);
     vec3 wi = sample_cosine_hemisphere(u.xy);
     float f_i = fresnel_dielectric(wi.z, m.eta, cos_t);
-    return BsdfSample(wi, plastic_base(m, p) * ((1.0 - f_o) * (1.0 - f_i) / (1.0 - coating)), (1.0 - coating) * wi.z * INV_PI, false, 1.0);
+    return bsdf_sampled(wi, plastic_base(m, p) * ((1.0 - f_o) * (1.0 - f_i) / (1.0 - coating)), (1.0 - coating) * wi.z * INV_PI, false, 1.0);
 }
 
 vec3 plastic_eval(Material m, Plastic p, vec3 wo, vec3 wi) {

@@ -129,7 +129,7 @@ float principled_pdf(Material m, Principled p, vec3 wo, vec3 wi) {
 }
 
 BsdfSample principled_sample(Material m, Principled p, vec3 wo, vec3 u) {
-    BsdfSample none = BsdfSample(wo, vec3(0.0), 0.0, false, 1.0);
+    BsdfSample none = bsdf_no_sample(wo);
     bool front = wo.z > 0.0;
     vec3 lobes = principled_lobes(p, front);
     bool refracted = false;
@@ -149,6 +149,5 @@ BsdfSample principled_sample(Material m, Principled p, vec3 wo, vec3 u) {
         wi = refracted ? -wo / eta + h * (cos_h / eta - cos_t) : reflect(-wo, h);
     }
     if ((wi.z * wo.z < 0.0) != refracted) return none;
-    float pdf = principled_pdf(m, p, wo, wi);
-    return BsdfSample(wi, pdf > 0.0 ? principled_eval(m, p, wo, wi) / pdf : vec3(0.0), pdf, false, refracted ? eta : 1.0);
+    return bsdf_open_sample(wi, refracted ? eta : 1.0);
 }

@@ -7,7 +7,7 @@ BsdfSample rough_conductor_sample(Material m, vec3 wo, vec3 u) {
     vec3 f = m.reflectance * fresnel_conductor(cos_h, m.conductor_eta, m.conductor_k);
     float pdf = microfacet_pdf(m, wo, h) / (4.0 * cos_h);
     bool valid = wi.z > 0.0 && cos_h > 0.0;
-    return BsdfSample(wi, valid ? f * microfacet_weight(m, wo, wi, h) : vec3(0.0), valid ? pdf : 0.0, false, 1.0);
+    return bsdf_sampled(wi, valid ? f * microfacet_weight(m, wo, wi, h) : vec3(0.0), valid ? pdf : 0.0, false, 1.0);
 }
 
 vec3 rough_conductor_eval(Material m, vec3 wo, vec3 wi) {

@@ -48,7 +48,7 @@ BsdfSample rough_dielectric_sample(Material m, vec3 wo, vec3 u) {
     vec3 tint = reflected ? m.reflectance : m.transmittance / (eta * eta);
     bool valid = cos_h > 0.0 && (reflected ? wi.z * wo.z > 0.0 : wi.z * wo.z < 0.0);
     float pdf = microfacet_pdf(m, side * wo, up) * jacobian * (reflected ? f : 1.0 - f);
-    return BsdfSample(wi, valid ? tint * microfacet_weight(m, wo, wi, up) : vec3(0.0), valid ? pdf : 0.0, false, reflected ? 1.0 : eta);
+    return bsdf_sampled(wi, valid ? tint * microfacet_weight(m, wo, wi, up) : vec3(0.0), valid ? pdf : 0.0, false, reflected ? 1.0 : eta);
 }
 
 vec3 rough_dielectric_eval(Material m, vec3 wo, vec3 wi) {

@@ -28,7 +28,5 @@ float rough_plastic_pdf(Material m, Plastic p, vec3 wo, vec3 wi) {
 BsdfSample rough_plastic_sample(Material m, Plastic p, vec3 wo, vec3 u) {
     float coating = plastic_coating_probability(p, 1.0 - rough_plastic_transmittance(p, wo.z));
     vec3 wi = u.z < coating ? reflect(-wo, microfacet_sample(m, wo, u.xy)) : sample_cosine_hemisphere(u.xy);
-    float pdf = rough_plastic_pdf(m, p, wo, wi);
-    bool valid = wi.z > 0.0 && pdf > 0.0;
-    return BsdfSample(wi, valid ? rough_plastic_eval(m, p, wo, wi) / pdf : vec3(0.0), valid ? pdf : 0.0, false, 1.0);
+    return bsdf_open_sample(wi, 1.0);
 }

@@ -6,5 +6,5 @@ BsdfSample thin_dielectric_sample(Material m, vec3 wo, vec3 u) {
     float r = fresnel_dielectric(abs(wo.z), m.eta, cos_t);
     r = r < 1.0 ? 2.0 * r / (1.0 + r) : r;
     bool reflected = u.z < r;
-    return BsdfSample(reflected ? vec3(-wo.xy, wo.z) : -wo, reflected ? m.reflectance : m.transmittance, reflected ? r : 1.0 - r, true, 1.0);
+    return bsdf_sampled(reflected ? vec3(-wo.xy, wo.z) : -wo, reflected ? m.reflectance : m.transmittance, reflected ? r : 1.0 - r, true, 1.0);
 }

@@ -100,9 +100,9 @@ specialisation! {
     21 wide_loads WIDE_LOADS: bool;
     /// Find the traversal stack's top by comparison (faster on CPU devices) rather than by address.
     23 select_stack SELECT_STACK: bool;
-    /// Read the texels of a filter in a loop that can be unrolled, rather than in as few turns as the filter has texels (faster to compile,
-    /// which CPU devices are slow at).
-    73 unroll_texels UNROLL_TEXELS: bool;
+    /// Loops that take one thing after the other so that their body stands in a kernel once may be unrolled. Drivers of CPUs, which are slow to
+    /// compile, are not told how many turns there are.
+    73 unroll UNROLL: bool;
     /// Triangles that the kernel holds as constants; 0 reads them from memory through the BVH.
     22 inline_count INLINE_COUNT: uint;
     /// Surfaces of the scene.

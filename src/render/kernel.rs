@@ -100,7 +100,7 @@ fn constants(
         filter: settings.filter.parameters().0,
         wide_loads: device == DeviceKind::Cpu,
         select_stack: device == DeviceKind::Cpu,
-        unroll_texels: device != DeviceKind::Cpu,
+        unroll: device != DeviceKind::Cpu,
         stack_size,
         inline_count: inline.len() as u32,
         sobol: settings.sampler == Sampler::Sobol,
