@@ -12,6 +12,7 @@ use lumbre::backend::Backend;
 use lumbre::gpu::DeviceKind;
 use lumbre::render::{Settings, Technique, modules_of};
 use lumbre::scene::{self, LoadOptions};
+use lumbre::spirv::Arithmetic;
 use lumbre::spirv::copies::{Copies, copies};
 
 /// What is heavy, and the functions that stand for it.
@@ -41,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let settings = Settings::new(&scene, Technique::parse(technique)?, Backend::Bvh);
         let (modules, constants) = modules_of(&scene, &settings, DeviceKind::Cpu)?;
         for module in modules {
-            let specialised = lumbre::spirv::specialise(&lumbre::gpu::module(&module)?, &constants)?;
+            let specialised = lumbre::spirv::specialise(&lumbre::gpu::module(&module)?, &constants, Arithmetic::Free)?;
             let functions = copies(&named(&module)?, &constants)?;
             let inlined: usize = functions.iter().map(|function| function.instructions * function.copies).sum();
             let sizes = format!("{} | {} | {inlined}", specialised.after, specialised.before);

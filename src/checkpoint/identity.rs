@@ -20,7 +20,7 @@ impl Identity {
         scene.hash_content(&mut hasher);
         let survey = gpu.survey();
         let Settings { technique, backend, width, height, filter, camera, max_depth, rr_depth, .. } = settings;
-        let Settings { sampler, seed, lengths, strategies, specialise, chunk, .. } = settings;
+        let Settings { sampler, seed, lengths, strategies, specialise, arithmetic, chunk, .. } = settings;
         let depth = max_depth.map_or(String::from("none"), |depth| depth.to_string());
         let entries = [
             ("scene", format!("{:016x}", hasher.finish())),
@@ -36,6 +36,7 @@ impl Identity {
             ("layers by length", lengths.to_string()),
             ("layers by strategy", strategies.map_or(0, |strategies| strategies.longest).to_string()),
             ("specialised", specialise.to_string()),
+            ("arithmetic", format!("{arithmetic:?}")),
             ("chunk", chunk.to_string()),
             ("device", survey.name.clone()),
             ("driver", survey.driver.clone()),

@@ -21,6 +21,7 @@ use lumbre::output::{Format, check_writable, format_of, replace_file};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
+use lumbre::spirv::Arithmetic;
 use lumbre::strategies::{LONGEST, Strategies};
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
@@ -127,6 +128,11 @@ pub(super) struct RenderArgs {
     /// Leave it to the driver to cut kernels down to what the scene needs: the same bits, to see what doing so beforehand buys
     #[arg(long)]
     driver_specialises: bool,
+
+    /// Have the driver compute as the shaders are written, without regrouping sums and products: the last bits then follow their text alone, which
+    /// is how benches/same_bits.py compares two versions
+    #[arg(long, conflicts_with = "driver_specialises")]
+    exact_arithmetic: bool,
 
     #[command(flatten)]
     device: DeviceArgs,
@@ -364,6 +370,9 @@ fn settle(
     settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
     settings.driver_specialises = args.driver_specialises;
+    if args.exact_arithmetic {
+        settings.arithmetic = Arithmetic::Exact;
+    }
     if let Some(Depth(depth)) = args.max_depth {
         settings.max_depth = depth;
     }

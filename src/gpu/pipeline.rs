@@ -10,7 +10,7 @@ use super::buffer::Buffer;
 use super::device::Gpu;
 use crate::error::{Error, Result};
 use crate::layout;
-use crate::spirv::{self, Specialised};
+use crate::spirv::{self, Arithmetic, Specialised};
 
 mod generated {
     include!(concat!(env!("OUT_DIR"), "/modules.rs"));
@@ -50,11 +50,13 @@ pub struct Kernel<'a> {
     pub constants: &'a [(u32, u32)],
     /// Leave the constants to the driver rather than to [`spirv::specialise`]: the same bits, for comparison.
     pub driver_specialises: bool,
+    /// How the driver may treat arithmetic, where the constants are not left to it.
+    pub arithmetic: Arithmetic,
 }
 
 impl Kernel<'_> {
     fn specialised(&self, whole: &[u32]) -> Result<Specialised> {
-        spirv::specialise(whole, self.constants)
+        spirv::specialise(whole, self.constants, self.arithmetic)
             .map_err(|error| Error::Vulkan { doing: format!("specialise the shader {}", self.module), code: error })
     }
 

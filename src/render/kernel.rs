@@ -10,6 +10,7 @@ use crate::integrator::Pass;
 use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use crate::spirv::Arithmetic;
 
 /// A pipeline, specialised to a scene, and the scene on the device.
 pub(super) struct Kernel {
@@ -20,16 +21,25 @@ pub(super) struct Kernel {
     module: String,
     constants: Constants,
     driver_specialises: bool,
+    arithmetic: Arithmetic,
 }
 
 impl Kernel {
     /// Makes a pipeline of the module `name` for a scene that is on the device. The caller has checked the settings.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, uploaded: Arc<Uploaded>) -> Result<Self> {
         let constants = constants(scene, settings, gpu.survey().kind, uploaded.stack_size, &uploaded.inline)?;
-        let driver_specialises = settings.driver_specialises;
-        let (pipeline, bindings) =
-            Self::make(gpu, &gpu::Kernel { module: name, constants: &constants, driver_specialises }, &uploaded)?;
-        Ok(Self { pipeline, bindings, scene: uploaded, module: name.to_owned(), constants, driver_specialises })
+        let (driver_specialises, arithmetic) = (settings.driver_specialises, settings.arithmetic);
+        let kernel = gpu::Kernel { module: name, constants: &constants, driver_specialises, arithmetic };
+        let (pipeline, bindings) = Self::make(gpu, &kernel, &uploaded)?;
+        Ok(Self {
+            pipeline,
+            bindings,
+            scene: uploaded,
+            module: name.to_owned(),
+            constants,
+            driver_specialises,
+            arithmetic,
+        })
     }
 
     /// The same for several modules, in their order: as many at once as there are cores, for a driver works on each with one.
@@ -56,6 +66,7 @@ impl Kernel {
             module: &self.module,
             constants: &self.constants,
             driver_specialises: self.driver_specialises,
+            arithmetic: self.arithmetic,
         };
         (self.pipeline, self.bindings) = Self::make(gpu, &kernel, &self.scene)?;
         Ok(())
@@ -135,8 +146,13 @@ pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Res
 pub fn kernel_sizes(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<Vec<KernelSize>> {
     let (modules, constants) = modules_of(scene, settings, device)?;
     let size = |module: String| {
-        let (instructions, of) =
-            gpu::Kernel { module: &module, constants: &constants, driver_specialises: false }.size()?;
+        let (instructions, of) = gpu::Kernel {
+            module: &module,
+            constants: &constants,
+            driver_specialises: false,
+            arithmetic: Arithmetic::Free,
+        }
+        .size()?;
         Ok(KernelSize { module, instructions, of })
     };
     modules.into_iter().map(size).collect()

@@ -9,6 +9,7 @@ use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter,
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
+use crate::spirv::Arithmetic;
 use crate::strategies::{LONGEST, Strategies};
 
 /// Materials that a warning names; of more it says how many there are.
@@ -177,6 +178,8 @@ pub struct Settings {
     /// Give the driver whole modules and the values of their constants, rather than modules that hold no more than these leave: it takes
     /// longer and gives the same bits.
     pub driver_specialises: bool,
+    /// How the driver may treat arithmetic on floats.
+    pub arithmetic: Arithmetic,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
     /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
@@ -201,6 +204,7 @@ impl Settings {
             strategies: None,
             specialise: true,
             driver_specialises: false,
+            arithmetic: Arithmetic::Free,
             expected_samples: u64::MAX,
             chunk: CHUNK,
         }

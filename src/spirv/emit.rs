@@ -1,5 +1,6 @@
 //! Writes the module that is left.
 
+use super::Arithmetic;
 use super::live::Live;
 use super::module::{HEADER, Instruction};
 use super::op;
@@ -16,7 +17,7 @@ struct Writer<'a, 'b> {
 }
 
 /// The words of the module that is left, and its number of instructions.
-pub fn emit(live: &Live) -> (Vec<u32>, usize) {
+pub fn emit(live: &Live, arithmetic: Arithmetic) -> (Vec<u32>, usize) {
     let module = live.found.module;
     let mut writer = Writer {
         live,
@@ -27,7 +28,16 @@ pub fn emit(live: &Live) -> (Vec<u32>, usize) {
         count: 0,
     };
     let is_global = |instruction: &&Instruction| instruction.op != op::FUNCTION;
+    let mut decorated = false;
     for (index, instruction) in (0u32..).zip(module.code.iter().take_while(is_global)) {
+        // Decorations end where types begin.
+        if arithmetic == Arithmetic::Exact
+            && !decorated
+            && (op::TYPE_VOID..=op::TYPE_FUNCTION).contains(&instruction.op)
+        {
+            writer.decorate_arithmetic();
+            decorated = true;
+        }
         writer.global(index, *instruction);
     }
     for (id, scalar) in &live.new_constants {
@@ -65,6 +75,16 @@ impl Writer<'_, '_> {
     fn value(&mut self, id: u32) -> u32 {
         let id = self.live.resolve(id);
         self.number(id)
+    }
+
+    /// Decorates the results of arithmetic that stays.
+    fn decorate_arithmetic(&mut self) {
+        for (index, instruction) in (0u32..).zip(&self.found.module.code) {
+            if op::is_arithmetic(instruction.op) && self.live.instructions[index as usize] {
+                let id = self.found.module.result(*instruction).map_or(0, |id| self.number(id));
+                self.write(op::DECORATE, &[id, super::NO_CONTRACTION]);
+            }
+        }
     }
 
     /// An instruction as it is, with new numbers.

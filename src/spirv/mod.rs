@@ -22,6 +22,8 @@ use module::Module;
 
 /// The decoration that gives a constant its `constant_id`.
 const SPEC_ID: u32 = 1;
+/// The decoration that forbids regrouping.
+const NO_CONTRACTION: u32 = 42;
 /// `BuiltIn WorkgroupSize`: means something by being there.
 const WORKGROUP_SIZE: [u32; 2] = [11, 25];
 
@@ -36,13 +38,23 @@ pub struct Specialised {
     pub after: usize,
 }
 
+/// How a driver may treat arithmetic on floats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// It may regroup sums and products, as SPIR-V allows by itself: faster, and the last bits follow how code is put together.
+    #[default]
+    Free,
+    /// As it is written, each result decorated `NoContraction`: the last bits follow the shader's text alone.
+    Exact,
+}
+
 /// The module for these values: pairs of a `constant_id` and its bits. A constant without a pair keeps its default. Fails where the words
 /// are no module of the kind that glslang writes for a compute shader.
-pub fn specialise(words: &[u32], constants: &[(u32, u32)]) -> Result<Specialised, String> {
+pub fn specialise(words: &[u32], constants: &[(u32, u32)], arithmetic: Arithmetic) -> Result<Specialised, String> {
     let module = Module::parse(words)?;
     let found = propagate::Propagation::run(&module, constants)?;
     let live = live::Live::find(&found);
-    let (words, after) = emit::emit(&live);
+    let (words, after) = emit::emit(&live, arithmetic);
     Ok(Specialised { words, before: module.code.len(), after })
 }
 

@@ -41,7 +41,7 @@ names! {
     SOURCE_CONTINUED = 2; SOURCE = 3; SOURCE_EXTENSION = 4; NAME = 5; MEMBER_NAME = 6; STRING = 7; LINE = 8; NO_LINE = 317;
     MODULE_PROCESSED = 330; UNDEF = 1; EXTENSION = 10; EXT_INST_IMPORT = 11; EXT_INST = 12; MEMORY_MODEL = 14; ENTRY_POINT = 15;
     EXECUTION_MODE = 16; CAPABILITY = 17; EXECUTION_MODE_ID = 331;
-    TYPE_BOOL = 20; TYPE_INT = 21; TYPE_FLOAT = 22; TYPE_ARRAY = 28; TYPE_RUNTIME_ARRAY = 29; TYPE_STRUCT = 30; TYPE_POINTER = 32;
+    TYPE_VOID = 19; TYPE_BOOL = 20; TYPE_INT = 21; TYPE_FLOAT = 22; TYPE_ARRAY = 28; TYPE_RUNTIME_ARRAY = 29; TYPE_STRUCT = 30; TYPE_POINTER = 32;
     TYPE_FUNCTION = 33; TYPE_FORWARD_POINTER = 39;
     CONSTANT_TRUE = 41; CONSTANT_FALSE = 42; CONSTANT = 43; CONSTANT_COMPOSITE = 44; CONSTANT_NULL = 46; SPEC_CONSTANT_TRUE = 48;
     SPEC_CONSTANT_FALSE = 49; SPEC_CONSTANT = 50; SPEC_CONSTANT_COMPOSITE = 51; SPEC_CONSTANT_OP = 52;
@@ -67,6 +67,12 @@ pub fn is_debug(op: u16) -> bool {
 /// Whether a block ends with it.
 pub fn is_terminator(op: u16) -> bool {
     (BRANCH..=UNREACHABLE).contains(&op)
+}
+
+/// Whether it computes with numbers: negation, sums, products, quotients, of vectors and matrices too.
+pub fn is_arithmetic(op: u16) -> bool {
+    const DOT: u16 = 148;
+    (S_NEGATE..=DOT).contains(&op)
 }
 
 /// Whether dropping it changes nothing where nobody reads its result. Calls and variables are not asked.
