@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::settings::Settings;
+use super::spent;
 use super::upload::Uploaded;
 use super::watch::Watch;
 use crate::error::Result;
@@ -77,12 +78,14 @@ impl Kernel {
         let kernel =
             gpu::Kernel { module: name, constants: &constants, driver_specialises: settings.driver_specialises };
         let (pipeline, bindings) = Self::make(gpu, &kernel, &uploaded)?;
+        let compile_seconds = started.elapsed().as_secs_f64();
+        spent::compiled(compile_seconds);
         Ok(Self {
             pipeline,
             bindings,
             scene: uploaded,
             build_seconds,
-            compile_seconds: started.elapsed().as_secs_f64(),
+            compile_seconds,
             module: name.to_owned(),
             constants,
             driver_specialises: settings.driver_specialises,

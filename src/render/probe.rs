@@ -1,10 +1,14 @@
 //! Running the kernels of `shaders/test` and `shaders/rays` over arrays: how tests and `lumbre rays` reach the shaders'
 //! functions one by one.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
 use bytemuck::Pod;
 
 use super::frames::Frame;
 use super::kernel::Kernel;
+use super::spent;
 use super::upload::{Uploaded, sphere_radius};
 use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
@@ -20,6 +24,8 @@ pub struct Probe {
     size: (u32, u32),
     seed: u32,
     scene_radius: f32,
+    /// Whether it has run: CPU devices compile when it does so first.
+    has_run: AtomicBool,
 }
 
 impl Probe {
@@ -47,6 +53,7 @@ impl Probe {
             size: (settings.width, settings.height),
             seed: settings.seed,
             scene_radius: sphere_radius(scene),
+            has_run: AtomicBool::new(false),
         }
     }
 
@@ -101,11 +108,18 @@ impl Probe {
             let fit = u64::from(most) * u64::from(WORKGROUP);
             return Err(Error::Usage(format!("{name} over {count} elements: {device} runs {fit} at once")));
         }
-        let kernel = &self.kernel;
-        self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
+        let (kernel, started) = (&self.kernel, Instant::now());
+        let work = self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
             commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
             commands.barrier();
-        })
+        })?;
+        let seconds = started.elapsed().as_secs_f64();
+        if self.has_run.swap(true, Ordering::Relaxed) {
+            spent::rendered(seconds, 0)
+        } else {
+            spent::compiled(seconds)
+        }
+        Ok(work)
     }
 
     /// What was uploaded.
