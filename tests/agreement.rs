@@ -2,11 +2,7 @@
 //!
 //! A new row of the table is enrolled by itself, through what it solves and its bias.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
-use common::{assert_same_mean, average, backends, backends_in_time, canon, films, render, settings, with_gpu};
+use crate::common::{assert_same_mean, average, backends, backends_in_time, canon, films, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;

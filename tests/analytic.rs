@@ -1,10 +1,6 @@
 //! Every technique that can solve a case against what is known in closed form: rows of `lumbre verify`, and what is none of them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
+use crate::common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::render::Technique;

@@ -1,11 +1,7 @@
 //! Paths from the light: with every kind of light, camera, material and filter they give the image that `path` gives.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, material_pairs, room, scene};
-use common::{assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
+use crate::common::room::{LAMP, material_pairs, room, scene};
+use crate::common::{assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::layout::Layered;

@@ -1,11 +1,7 @@
 //! Caustics with a known answer: a circular mirror in parallel light throws a nephroid (NUMERICS' row of caustics).
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::scene;
-use common::{backends, settings, with_gpu};
+use crate::common::room::scene;
+use crate::common::{backends, settings, with_gpu};
 use lumbre::film::Image;
 use lumbre::render::{Settings, render};
 use lumbre::scene::Scene;

@@ -1,13 +1,9 @@
 //! Checkpoints: what goes on from one has the bits of what was never interrupted, wherever that was; and what is not whole or not of
 //! this rendering is refused.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 
-use common::{canon, settings, with_gpu};
+use crate::common::{canon, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::checkpoint::{Checkpoints, Header, Identity};
 use lumbre::film::Film;
@@ -290,7 +286,7 @@ fn checkpoints_of_other_renderings_are_refused() {
         refused(&scene, &with(&|it| it.lengths = 4), &["layers by length"]);
         refused(&scene, &with(&|it| it.rr_depth = 99), &["roulette from segment"]);
         refused(&scene, &with(&|it| it.sampler = Sampler::Sobol), &["sampler (independent there, sobol asked for)"]);
-        let vcm = common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
+        let vcm = crate::common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
         let both = with(&|it| (it.technique, it.seed) = (vcm.clone(), 1));
         refused(&scene, &both, &["technique (path", "seed (0 there, 1 asked for)"]);
         refused(&scene, &with(&|it| it.backend = Backend::RayQuery), &["backend (bvh there, ray-query asked for)"]);

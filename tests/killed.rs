@@ -1,13 +1,9 @@
 //! Renderings that are killed, at moments that chance chooses, and go on: the image has the bits of one that was not.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::program::{errors, figures, files, render, signal, start, wait_for, works};
+use crate::common::program::{errors, figures, files, render, signal, start, wait_for, works};
 use lumbre::input::read_image;
 use lumbre::output::replace_file;
 
@@ -144,7 +140,7 @@ fn what_is_begun_anew_says_so() {
     let said = works(line("--seed 2"));
     assert!(said.starts_with("note: c holds 8 spp of an earlier rendering"), "{said}");
     assert_eq!(works(line("--seed 2 --resume -q")), "");
-    let said = common::program::fails(line("--resume"), 2);
+    let said = crate::common::program::fails(line("--resume"), 2);
     assert!(said.contains("what differs is seed (2 there, 0 asked for)"), "{said}");
 }
 

@@ -1,16 +1,11 @@
 //! What is predicted of a rendering's memory against what it takes, and what is refused before it is tried.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use common::{backends, canon, settings, with_gpu};
+use crate::common::{backends, canon, settings, with_gpu};
 use glam::{DAffine3, DVec3};
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
@@ -146,7 +141,7 @@ fn paths_from_the_lights_take_what_is_predicted() {
 fn mip_maps_take_what_is_predicted() {
     let load = |mip_maps| {
         let options = LoadOptions { mip_maps, ..LoadOptions::default() };
-        lumbre::scene::load(&common::scene_path("gltf_room/room.gltf"), &options).unwrap()
+        lumbre::scene::load(&crate::common::scene_path("gltf_room/room.gltf"), &options).unwrap()
     };
     let images = |scene: &Scene| -> Vec<usize> { scene.images.iter().map(|image| image.bytes().len()).collect() };
     let scene = load(true);
@@ -264,7 +259,7 @@ fn what_does_not_fit_is_refused_before_it_is_built() {
 }
 
 fn info(folder: &Path, scene: &str, drivers: Option<&str>) -> serde_json::Value {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    let mut command = crate::common::program::lumbre();
     command.args(["info", scene, "--json", "-"]).current_dir(folder);
     match drivers {
         Some(drivers) => command.env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers),

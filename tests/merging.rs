@@ -1,12 +1,8 @@
 //! What finds vertices of light paths by a radius, photon mapping and vertex merging: the error vanishes with the number of samples,
 //! nothing is counted twice or missed, and no order of photons or frames changes a bit.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, material_pairs, room, scene};
-use common::{average, canon, has_time, render, settings, with_gpu};
+use crate::common::room::{LAMP, material_pairs, room, scene};
+use crate::common::{average, canon, has_time, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -25,7 +21,8 @@ fn film(gpu: &Gpu, scene: &Scene, technique: &str, seed: u32, spp: u32) -> Film 
 
 /// Largest difference of the mean of a rectangle from that of the truth, over the truth's, of the three channels.
 fn off(found: &Film, truth: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> f64 {
-    let mean = |film: &Film| common::tile_average(film, columns.clone(), rows.clone()).map(|channel| channel.mean);
+    let mean =
+        |film: &Film| crate::common::tile_average(film, columns.clone(), rows.clone()).map(|channel| channel.mean);
     let lit = mean(truth).map(|channel| channel > 0.0);
     let differences = mean(found).into_iter().zip(mean(truth)).zip(lit).filter(|(_, lit)| *lit);
     let differences = differences.map(|((a, b), _)| a / b - 1.0);
@@ -156,7 +153,7 @@ fn hidden_caustics_are_found_by_merging_alone() {
             assert_off(&format!("{name}: vcm against photon"), &vcm, &photon, 0.01);
             let mut fine = 0;
             for (x, y) in [(0, 0), (32, 0), (0, 32), (32, 32)] {
-                let tile = |film: &Film| common::tile_average(film, x..x + 32, y..y + 32)[1];
+                let tile = |film: &Film| crate::common::tile_average(film, x..x + 32, y..y + 32)[1];
                 let (a, b) = (tile(&vcm), tile(&photon));
                 let (quarter, sigma) = (a.mean / b.mean - 1.0, (a.variance + b.variance).sqrt() / b.mean);
                 println!("{name}: the quarter at ({x}, {y}) is off by {quarter:+.4}, sigma {sigma:.4}");

@@ -2,12 +2,8 @@
 //!
 //! What a chain brings from one sample to the next is not independent, so a film's own variance says nothing here: seeds are compared.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, room, scene};
-use common::{assert_same_mean, canon, films, largest_z, render, settings, tile_average, verify, with_gpu};
+use crate::common::room::{LAMP, room, scene};
+use crate::common::{assert_same_mean, canon, films, largest_z, render, settings, tile_average, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
@@ -155,8 +151,8 @@ fn the_whole_canon() {
                 let technique = &format!("mlt:form={form}");
                 let found = over_seeds(technique, 0);
                 let (z, place, count) = largest_z(&found, truth, 1);
-                let [_, a, _] = common::average(&found);
-                let [_, b, _] = common::average(truth);
+                let [_, a, _] = crate::common::average(&found);
+                let [_, b, _] = crate::common::average(truth);
                 let spread = 100.0 * (a.variance + b.variance).sqrt() / b.mean;
                 println!(
                     "{name} {technique}: largest z {z:.2} ({place}); whole image {:+.2} % +- {spread:.2} %, z {:.2}",

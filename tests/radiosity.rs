@@ -2,14 +2,10 @@
 //!
 //! Every bound here has been seen to fail: the figures in the comments are those of a planted fault.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::f64::consts::PI;
 
-use common::room::{LAMP, room, scene as mitsuba};
-use common::{average, backends, canon, render, settings, with_gpu};
+use crate::common::room::{LAMP, room, scene as mitsuba};
+use crate::common::{average, backends, canon, render, settings, with_gpu};
 use glam::{DAffine3, DVec3};
 use lumbre::backend::Backend;
 use lumbre::film::Film;

@@ -1,10 +1,6 @@
 //! The rendering equation evaluated as it recurses, against the loop that comes of it.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
-use common::{backends, canon, render, settings, with_gpu};
+use crate::common::{backends, canon, render, settings, with_gpu};
 use lumbre::film::Film;
 use lumbre::render::Settings;
 use lumbre::scene::Scene;

@@ -1,11 +1,7 @@
 //! The strategies of bidirectional path tracing: what each of them brings, and what it is weighed by.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, room, scene};
-use common::{backends, canon, films, settings, verify, with_gpu};
+use crate::common::room::{LAMP, room, scene};
+use crate::common::{backends, canon, films, settings, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;

@@ -1,10 +1,6 @@
 //! Recursive ray tracing: what it accounts for, that branching changes no mean, and its two kinds of lights.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-mod common;
-
-use common::{assert_same_mean, backends, render, room, settings, with_gpu};
+use crate::common::{assert_same_mean, backends, render, room, settings, with_gpu};
 use lumbre::film::Film;
 use lumbre::render::Settings;
 use lumbre::scene::Scene;
@@ -107,7 +103,7 @@ fn the_middle_stands_for_the_lamp() {
                 let scene = room::scene(&[floor, lamp].concat());
                 let film = render(gpu, &scene, &settings(&scene, "whitted:lights=point", backend), 256);
                 // The middle of the image: within a pixel of it the light is as good as linear.
-                let [_, measured, _] = common::tile_average(&film, 7..9, 7..9);
+                let [_, measured, _] = crate::common::tile_average(&film, 7..9, 7..9);
                 measured.mean
             };
             let ball = found(ball);

@@ -1,14 +1,16 @@
-//! What the tests share: one device per process with validation on, and statistics that print what they found.
+//! What the tests share: devices with validation on, and statistics that print what they found.
 
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
+pub mod alone;
+pub mod clock;
 pub mod gltf;
+pub mod hostile;
+pub mod mutation;
 pub mod program;
 pub mod room;
 pub mod sampling;
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::Error;
@@ -19,15 +21,61 @@ use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
 use lumbre::verify::{Effort, Verdict};
 
-/// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
+/// The devices that no test has at the moment, and how many there are in all.
+struct Pool {
+    free: Vec<Gpu>,
+    made: usize,
+}
+
+static POOL: Mutex<Pool> = Mutex::new(Pool { free: Vec::new(), made: 0 });
+static GIVEN_BACK: Condvar = Condvar::new();
+
+/// A device that goes back to the pool, unless the test that has it fails: nobody knows what it left behind there.
+struct Borrowed(Option<Gpu>);
+
+impl Borrowed {
+    /// Waits for a device: there are as many as cores, since a CPU device compiles on one of them, each with an instance of its own, so
+    /// that the validation layer's messages are those of one test.
+    fn take() -> Self {
+        let most = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+        while pool.free.is_empty() && pool.made >= most {
+            pool = GIVEN_BACK.wait(pool).unwrap_or_else(PoisonError::into_inner);
+        }
+        match pool.free.pop() {
+            Some(gpu) => Self(Some(gpu)),
+            None => {
+                pool.made += 1;
+                drop(pool);
+                // Counted off again by this where it cannot be opened.
+                let mut opened = Self(None);
+                opened.0 = Some(open_gpu().expect("a Vulkan device"));
+                opened
+            }
+        }
+    }
+}
+
+impl Drop for Borrowed {
+    fn drop(&mut self) {
+        let gpu = self.0.take().filter(|_| !std::thread::panicking());
+        let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+        match gpu {
+            Some(gpu) => pool.free.push(gpu),
+            None => pool.made -= 1,
+        }
+        GIVEN_BACK.notify_one();
+    }
+}
+
+/// Runs a test on a device that it has for itself, and fails it if the validation layer had anything to say.
 pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
-    static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
-    let gpu = GPU.get_or_init(|| Mutex::new(open_gpu().expect("a Vulkan device")));
-    // A test that failed leaves the device as it was: the next one may use it.
-    let gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+    clock::start();
+    let borrowed = Borrowed::take();
+    let gpu = borrowed.0.as_ref().unwrap();
     let before = gpu.take_validation_messages();
     assert!(before.is_empty(), "validation messages from before this test: {before:#?}");
-    let result = run(&gpu);
+    let result = run(gpu);
     let messages = gpu.take_validation_messages();
     assert!(messages.is_empty(), "Vulkan validation: {messages:#?}");
     result
