@@ -8,6 +8,7 @@ pub mod mutation;
 pub mod program;
 pub mod room;
 pub mod sampling;
+pub mod truth;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -17,6 +18,7 @@ use lumbre::error::Error;
 use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
+pub use lumbre::metrics::tiles::{LargestZ, average, largest_z, tile_average};
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
 use lumbre::verify::{Effort, Verdict};
@@ -177,28 +179,6 @@ pub fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32
     (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
-/// The mean over all pixels and its variance, per channel, from the film's own variance.
-pub fn average(film: &Film) -> [Estimate; 3] {
-    tile_average(film, 0..film.width, 0..film.height)
-}
-
-/// The same over a rectangle.
-pub fn tile_average(film: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> [Estimate; 3] {
-    let (mean, variance) = (film.mean(), film.mean_variance());
-    let count = f64::from(columns.len() as u32) * f64::from(rows.len() as u32);
-    let mut sums = [Estimate::default(); 3];
-    for y in rows {
-        for x in columns.clone() {
-            let pixel = (y * film.width + x) as usize;
-            for (channel, sum) in sums.iter_mut().enumerate() {
-                sum.mean += f64::from(mean.pixels[pixel][channel]) / count;
-                sum.variance += f64::from(variance.pixels[pixel][channel]) / (count * count);
-            }
-        }
-    }
-    sums
-}
-
 /// Fails unless the measured mean is within 0.1 % of the expected value or three standard deviations, whichever is more.
 /// Prints both. The measurement must be able to see 1 %.
 pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
@@ -216,34 +196,10 @@ pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
 /// Compares two films of the same scene tile by tile: a z-test of each tile and channel, Sidak-corrected, and one of the
 /// whole image. Prints the largest z and the p-value it has among all tiles.
 pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
-    let (z, place, count) = largest_z(a, b, tile);
+    let LargestZ { z, place, count } = largest_z(a, b, tile);
     let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
     println!("{what}: largest z of {count} is {z:.2} at {place}; of the whole image {whole:.2?}");
     assert!(two_sided_p(z) > sidak(0.01, count), "{what}: z = {z:.2} at {place}");
     // Three channels, each at the 0.1 % level.
     assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
-}
-
-/// By how many standard deviations of both the means of a tile and channel differ at most, where that is, and among how many of these.
-pub fn largest_z(a: &Film, b: &Film, tile: u32) -> (f64, String, usize) {
-    let mut worst: (f64, String) = (0.0, String::new());
-    let mut count = 0;
-    for y in (0..a.height).step_by(tile as usize) {
-        for x in (0..a.width).step_by(tile as usize) {
-            let (columns, rows) = (x..(x + tile).min(a.width), y..(y + tile).min(a.height));
-            let (left, right) = (tile_average(a, columns.clone(), rows.clone()), tile_average(b, columns, rows));
-            for channel in 0..3 {
-                let z = left[channel].z(&right[channel]);
-                count += 1;
-                if z.abs() >= worst.0.abs() {
-                    let place = format!(
-                        "tile ({x}, {y}) channel {channel}: {:.5} against {:.5}",
-                        left[channel].mean, right[channel].mean
-                    );
-                    worst = (z, place);
-                }
-            }
-        }
-    }
-    (worst.0, worst.1, count)
 }
