@@ -44,6 +44,7 @@ mod robustness;
 mod sampling;
 mod scenes;
 mod soak;
+mod spirv;
 mod strategies;
 mod traversal;
 mod verify;
