@@ -6,9 +6,17 @@ use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::render::Technique;
 use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription, material};
 
+// Rows in their full form: more techniques and more samples than in the short one, which tests/verify.rs has on every backend each time.
+
 #[test]
 fn furnaces() {
-    verify(&["furnace", "coplanar", "roulette"]);
+    verify(&["furnace"]);
+}
+
+#[test]
+#[ignore = "half a minute: `make thorough` runs it"]
+fn furnaces_in_full() {
+    verify(&["coplanar", "roulette"]);
 }
 
 #[test]
@@ -16,7 +24,9 @@ fn formulas() {
     verify(&["emitters", "cube-point-light", "form-factors", "half-lit-sphere", "slab", "inside-glass"]);
 }
 
+/// Layers that sum to the image are tested with each technique: tests/strategies.rs, tests/metropolis.rs, tests/merging.rs, tests/radiosity.rs.
 #[test]
+#[ignore = "half a minute: `make thorough` runs it"]
 fn sums() {
     verify(&["long-sums", "layers", "splats"]);
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::common::{assert_mean, average, backends, canon, render, settings, with_gpu};
+use crate::common::{assert_mean, average, backends, backends_in_time, canon, render, settings, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::layout::{MATERIAL_DIELECTRIC, NONE, SMOOTH_BIT, SPHERE_BIT};
@@ -56,7 +56,7 @@ fn the_canon_loads_without_warnings_and_renders() {
         let scene = canon(&name, &[]);
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
         with_gpu(|gpu| {
-            for backend in backends(gpu) {
+            for backend in backends_in_time(gpu) {
                 let mut settings = settings(&scene, "path", backend);
                 (settings.width, settings.height) = (32, 24);
                 let film = render(gpu, &scene, &settings, 8);
