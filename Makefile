@@ -29,7 +29,8 @@ test:
 # What is fast of every room, for the loop of edit and try: the list is in .ci/quick.
 quick:
 	@.ci/setup test
-	@.ci/tests --lib --test tests -- $$(sed 's/ *\#.*//' .ci/quick)
+	@$(CARGO) test --release --quiet --lib
+	@.ci/tests --test tests -- $$(sed 's/ *\#.*//' .ci/quick)
 
 # With the tests that take minutes each, which `make test` leaves out: two hours on two cores.
 thorough: export LUMBRE_TEST_THOROUGH = 1

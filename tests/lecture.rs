@@ -79,7 +79,9 @@ fn within<'a>(node: Node<'a, 'a>) -> String {
 /// Chapters whose renderings are those of all rooms by all techniques: as much work as all others have.
 const ROOMS: [&str; 2] = ["difficult", "choice"];
 
+/// What it adds to the other page is what two chapters write of it.
 #[test]
+#[ignore = "a minute or two of the driver's time: `make thorough` runs it"]
 fn the_page_of_rooms() {
     the_page(|name| ROOMS.contains(&name));
 }

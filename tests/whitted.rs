@@ -1,6 +1,6 @@
 //! Recursive ray tracing: what it accounts for, that branching changes no mean, and its two kinds of lights.
 
-use crate::common::{assert_same_mean, backends, backends_in_time, render, room, settings, with_gpu};
+use crate::common::{assert_same_mean, backends_in_time, render, room, settings, with_gpu};
 use lumbre::film::Film;
 use lumbre::render::Settings;
 use lumbre::scene::Scene;
@@ -31,7 +31,7 @@ fn mirrors_and_glass() -> Scene {
 fn chains_of_mirrors_and_glass_end_in_direct_light() {
     let scene = mirrors_and_glass();
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             let film = |technique: &str, seed: u32, spp: u32| {
                 let settings = Settings { seed, ..settings(&scene, technique, backend) };
                 render(gpu, &scene, &settings, spp)
