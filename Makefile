@@ -1,24 +1,13 @@
 # Two commands: `make demo` renders the Cornell box to out/, `make test` checks everything. Both install what the machine
-# lacks first (.ci/setup), and cost nothing extra where nothing is missing.
+# lacks first (.ci/setup), and cost nothing extra where nothing is missing. They share what they compile: one profile for all.
 
 CARGO ?= cargo
-LUMBRE = target/release/lumbre
-
-# The tests run on lavapipe, on every machine alike: on it both backends must be there.
-export LUMBRE_TEST_DEVICE ?= llvmpipe
-export LUMBRE_TEST_BACKENDS ?= all
-
-# Where set-up has brought Chromium, the test of the report must find it.
-BROWSER = LUMBRE_TEST_CHROMIUM=$${LUMBRE_TEST_CHROMIUM-$$(.ci/setup browser)}
+export CARGO
+# Wherever cargo puts the program (CARGO_TARGET_DIR, build.target-dir).
+LUMBRE = $(CARGO) run --release --quiet --
 
 # Finds what docs/metropolis.md says of light that only chance finds: to be run by hand.
 KNOWN = the_whole_canon
-
-# All tests: beside each other, each in a process of its own, where cargo-nextest is there. Compiling a kernel takes one core alone.
-HAS_NEXTEST = $(CARGO) nextest --version >/dev/null 2>&1
-TESTS = if $(HAS_NEXTEST); \
-	then $(BROWSER) $(CARGO) nextest run $(if $(IGNORED),--run-ignored all -E 'not test($(KNOWN))') && $(CARGO) test --doc; \
-	else $(BROWSER) $(CARGO) test $(if $(IGNORED),-- --include-ignored --skip $(KNOWN)); fi
 
 .PHONY: demo build test quick thorough bench lecture soak clean
 
@@ -33,21 +22,21 @@ build:
 test:
 	@.ci/setup test
 	$(CARGO) fmt --check
-	$(CARGO) clippy --all-targets -- -D warnings
-	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
-	@$(TESTS)
+	$(CARGO) clippy --release --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --release --no-deps
+	@.ci/tests --no-fail-fast
 
-# The tests alone, for the loop of edit and try.
+# What is fast of every room, for the loop of edit and try: the list is in .ci/quick.
 quick:
 	@.ci/setup test
-	@$(TESTS)
+	@$(CARGO) test --release --quiet --lib
+	@.ci/tests --test tests -- $$(sed 's/ *\#.*//' .ci/quick)
 
 # With the tests that take minutes each, which `make test` leaves out: two hours on two cores.
-thorough: IGNORED = yes
 thorough: export LUMBRE_TEST_THOROUGH = 1
 thorough:
 	@.ci/setup test
-	@$(TESTS)
+	@.ci/tests --no-fail-fast -- --include-ignored --skip $(KNOWN)
 
 # Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
 bench: build
@@ -62,7 +51,8 @@ lecture: build
 # An hour of scenes and settings that chance chooses, with validation on: nothing may stay behind.
 soak:
 	@.ci/setup test
-	LUMBRE_SOAK_SECONDS=$${LUMBRE_SOAK_SECONDS-3600} $(CARGO) test --test soak -- --nocapture
+	LUMBRE_SOAK_SECONDS=$${LUMBRE_SOAK_SECONDS-3600} LUMBRE_TEST_ALONE=soak::nothing_stays_behind \
+		.ci/tests --test tests -- soak::nothing_stays_behind --exact --nocapture
 
 clean:
 	$(CARGO) clean

@@ -6,7 +6,7 @@
     benches/references.py NAME...     these, again
 
 Each reference is an EXR of the mean of independent seeds (R, G, B) and the variance of that mean (variance.R, ...), by
-`scalar_rgb`. `cargo test --test references` renders the same files and compares them pixel by pixel.
+`scalar_rgb`. `cargo test --release --test tests references::` renders the same files and compares them pixel by pixel.
 """
 import struct
 import sys

@@ -1,26 +1,39 @@
 //! Every technique that can solve a case against what is known in closed form: rows of `lumbre verify`, and what is none of them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
+use crate::common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::render::Technique;
 use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription, material};
 
+// Rows in their full form: more techniques and more samples than in the short one, which tests/verify.rs has on every backend each time.
+
 #[test]
 fn furnaces() {
-    verify(&["furnace", "coplanar", "roulette"]);
+    verify(&["furnace"]);
+}
+
+#[test]
+#[ignore = "half a minute: `make thorough` runs it"]
+fn furnaces_in_full() {
+    verify(&["coplanar", "roulette"]);
 }
 
 #[test]
 fn formulas() {
-    verify(&["emitters", "cube-point-light", "form-factors", "half-lit-sphere", "slab", "inside-glass"]);
+    verify(&["emitters", "half-lit-sphere", "inside-glass"]);
 }
 
+/// What these ask of other techniques than `path` is asked of them above or, of a point light, in tests/bidirectional.rs.
 #[test]
+#[ignore = "half a minute: `make thorough` runs it"]
+fn formulas_in_full() {
+    verify(&["cube-point-light", "form-factors", "slab"]);
+}
+
+/// Layers that sum to the image are tested with each technique: tests/strategies.rs, tests/metropolis.rs, tests/merging.rs, tests/radiosity.rs.
+#[test]
+#[ignore = "half a minute: `make thorough` runs it"]
 fn sums() {
     verify(&["long-sums", "layers", "splats"]);
 }

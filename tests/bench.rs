@@ -1,7 +1,5 @@
 //! The bench's statistics against renderers whose noise and bias are known, and its files.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;

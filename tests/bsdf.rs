@@ -1,11 +1,7 @@
 //! Every BSDF, through the shaders' own functions.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::sampling::{Findings, Rings, chi_square_z, direction, numbers, spread, with_materials};
-use common::{settings, with_gpu};
+use crate::common::sampling::{Findings, Rings, chi_square_z, direction, numbers, spread, with_materials};
+use crate::common::{settings, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;

@@ -1,13 +1,9 @@
 //! Checkpoints: what goes on from one has the bits of what was never interrupted, wherever that was; and what is not whole or not of
 //! this rendering is refused.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 
-use common::{canon, settings, with_gpu};
+use crate::common::{canon, has_time, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::checkpoint::{Checkpoints, Header, Identity};
 use lumbre::film::Film;
@@ -94,21 +90,22 @@ fn layers_forms_and_seeds_go_on_as_well() {
         let of = |technique: &str| Settings { seed: 7, ..settings(&scene, technique, Backend::Bvh) };
         let layers = Some(Strategies::of(3, scene.camera(None).unwrap()));
         let strategies = |technique: &str| Settings { strategies: layers, max_depth: Some(3), ..of(technique) };
+        // The last ones keep nothing that another here or in tests/killed.rs does not keep.
         let cases = [
             ("path by length", Settings { lengths: 3, ..of("path") }),
-            ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),
-            ("bdpt by length", Settings { lengths: 3, ..of("bdpt") }),
             ("bdpt by strategy", strategies("bdpt")),
-            ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128:candidates=65536") }),
             ("mlt multiplexed", of("mlt:form=multiplexed:chains=1024:candidates=65536")),
             ("mlt of paths", of("mlt:form=paths:chains=1024:candidates=65536")),
-            ("vcm, large radius", of("vcm:radius=0.2:alpha=0.5")),
-            ("photon maps", of("photon:direct=photons")),
             ("radiosity, shot", Settings { lengths: 3, ..of("radiosity:patches=4:solver=shoot") }),
             ("radiosity, quartered", of("radiosity:patches=4:adaptive=0.5:shown=patches")),
+            ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),
+            ("bdpt by length", Settings { lengths: 3, ..of("bdpt") }),
+            ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128:candidates=65536") }),
+            ("vcm, large radius", of("vcm:radius=0.2:alpha=0.5")),
+            ("photon maps", of("photon:direct=photons")),
             ("radiosity, short", Settings { max_depth: Some(3), ..of("radiosity:patches=4") }),
         ];
-        for (what, settings) in cases {
+        for (what, settings) in cases.into_iter().take(if has_time() { 12 } else { 6 }) {
             println!("{what}: {} frames", handed_over(gpu, &scene, &settings, None, what));
         }
         // With time for the fewest candidates only.
@@ -290,7 +287,7 @@ fn checkpoints_of_other_renderings_are_refused() {
         refused(&scene, &with(&|it| it.lengths = 4), &["layers by length"]);
         refused(&scene, &with(&|it| it.rr_depth = 99), &["roulette from segment"]);
         refused(&scene, &with(&|it| it.sampler = Sampler::Sobol), &["sampler (independent there, sobol asked for)"]);
-        let vcm = common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
+        let vcm = crate::common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
         let both = with(&|it| (it.technique, it.seed) = (vcm.clone(), 1));
         refused(&scene, &both, &["technique (path", "seed (0 there, 1 asked for)"]);
         refused(&scene, &with(&|it| it.backend = Backend::RayQuery), &["backend (bvh there, ray-query asked for)"]);

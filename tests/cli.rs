@@ -1,7 +1,5 @@
 //! The program as a user runs it: what it writes, what it says, and its exit status.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
@@ -10,7 +8,7 @@ use lumbre::input::read_image;
 
 /// The program on the tests' device (`LUMBRE_TEST_DEVICE`), if one is named.
 fn program(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    let mut command = crate::common::program::lumbre();
     command.args(args).current_dir(folder);
     let names_device = args.contains(&"--device");
     if let Ok(device) = std::env::var("LUMBRE_TEST_DEVICE")

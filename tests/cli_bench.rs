@@ -1,9 +1,7 @@
 //! `lumbre bench` as a user runs it: what it writes, that it goes on after an interruption, and what it refuses.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 use lumbre::bench::results::Results;
 
@@ -12,7 +10,7 @@ fn scene(name: &str) -> String {
 }
 
 fn lumbre(folder: &Path, args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    let mut command = crate::common::program::lumbre();
     command.args(args).current_dir(folder).env("XDG_CACHE_HOME", folder.join("cache"));
     if let Ok(device) = std::env::var("LUMBRE_TEST_DEVICE")
         && args[0] == "bench"

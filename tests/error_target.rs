@@ -1,10 +1,6 @@
 //! `render -e`: how often the error is what the rendering said when it stopped.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::{canon, render, settings, with_gpu};
+use crate::common::{canon, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::bench::Truth;
 use lumbre::metrics::compare;

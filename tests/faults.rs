@@ -1,15 +1,11 @@
 //! What goes wrong outside of a rendering that took hours: the disk, the folder, another process, the device. Each is one line that says
 //! what, where, what is kept, and how to go on.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 use std::process::{Child, Command};
 use std::time::Duration;
 
-use common::program::{errors, fails, files, render, signal, start, wait_for, works};
+use crate::common::program::{errors, fails, files, render, signal, start, wait_for, works};
 use lumbre::input::read_image;
 
 /// From now on the process may write no file beyond so many bytes: to it the disk is full. (The limit cannot be there from the beginning:

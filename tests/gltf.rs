@@ -1,16 +1,12 @@
 //! What glTF files mean: each test states the picture that a small file must give.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use common::gltf::{
+use crate::common::gltf::{
     F32, FOUR, FOUR_LINEAR, Gltf, I8, I16, SQUARE, SQUARE_UVS, U8, U16, U32, floats, load, matte, merge, png, shorts,
     sun, textured, with,
 };
-use common::{assert_mean, backends, render, settings, tile_average, with_gpu};
+use crate::common::{assert_mean, backends, render, settings, tile_average, with_gpu};
 use lumbre::film::Film;
 use lumbre::metrics::stats::Estimate;
 use lumbre::scene::Scene;
@@ -37,7 +33,7 @@ fn quarters(film: &Film) -> [[Estimate; 3]; 4] {
 /// Compares the whole picture with one colour.
 fn expect(what: &str, scene: &Scene, spp: u32, expected: [f64; 3]) {
     let film = film(scene, spp);
-    for (channel, (measured, expected)) in common::average(&film).into_iter().zip(expected).enumerate() {
+    for (channel, (measured, expected)) in crate::common::average(&film).into_iter().zip(expected).enumerate() {
         compare(&format!("{what}, channel {channel}"), measured, expected);
     }
 }
@@ -601,7 +597,7 @@ fn layers_reach_the_material() {
 
 #[test]
 fn the_room_loads_without_warnings_and_renders() {
-    let scene = lumbre::scene::load(&common::scene_path("gltf_room/room.gltf"), &Default::default()).unwrap();
+    let scene = lumbre::scene::load(&crate::common::scene_path("gltf_room/room.gltf"), &Default::default()).unwrap();
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     assert!(scene.environment.is_some() && scene.cameras[0].name == "front");
     with_gpu(|gpu| {

@@ -1,10 +1,6 @@
 //! glTF files that are broken, or that lie: each is refused with one line that names the element at fault, and nothing panics.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::gltf::{F32, FOUR, Gltf, SQUARE, U8, U32, floats, load, merge, textured};
+use crate::common::gltf::{F32, FOUR, Gltf, SQUARE, U8, U32, floats, load, merge, textured};
 use serde_json::{Value, json};
 
 /// The message of a file that must be refused: one line that names the file.

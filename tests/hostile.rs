@@ -4,27 +4,15 @@
 //! `tests/corpus` holds a file for each kind of fault (`make.py` there says what is wrong with it), `fuzz/` the targets that
 //! looked for more.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-#[path = "common/hostile.rs"]
-mod hostile;
-#[path = "common/mutation.rs"]
-mod mutation;
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use hostile::{Bounded, Folder, Format, check_file};
+use crate::common::alone::alone;
+use crate::common::hostile::{Folder, Format, check_file};
+use crate::common::mutation::{self, Mutator};
 use lumbre::scene::Scene;
-use mutation::Mutator;
 
-#[global_allocator]
-static ALLOCATOR: Bounded = Bounded;
-
-/// Memory is counted for the whole process: one test at a time.
-static ALONE: Mutex<()> = Mutex::new(());
 /// What a broken file may take, on a machine that does other things besides.
 const LONGEST: Duration = Duration::from_secs(20);
 
@@ -195,103 +183,113 @@ const BROKEN: &[(&str, &[&str])] = &[
 
 #[test]
 fn broken_files_are_refused() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let corpus = root().join("tests/corpus");
-    let mut faults = Vec::new();
-    let mut seen = BTreeSet::new();
-    for (name, expected) in BROKEN {
-        seen.insert(corpus.join(name));
-        let start = Instant::now();
-        let found = read(&corpus.join(name));
-        let taken = start.elapsed();
-        match found {
-            Ok(_) => faults.push(format!("{name}: was read")),
-            Err(message) => {
-                let missing: Vec<_> = expected.iter().filter(|part| !message.contains(**part)).collect();
-                if !missing.is_empty() {
-                    faults.push(format!("{name}: {missing:?} is not in: {message}"));
+    // Memory is counted for the whole process.
+    alone(|| {
+        let corpus = root().join("tests/corpus");
+        let mut faults = Vec::new();
+        let mut seen = BTreeSet::new();
+        for (name, expected) in BROKEN {
+            seen.insert(corpus.join(name));
+            let start = Instant::now();
+            let found = read(&corpus.join(name));
+            let taken = start.elapsed();
+            match found {
+                Ok(_) => faults.push(format!("{name}: was read")),
+                Err(message) => {
+                    let missing: Vec<_> = expected.iter().filter(|part| !message.contains(**part)).collect();
+                    if !missing.is_empty() {
+                        faults.push(format!("{name}: {missing:?} is not in: {message}"));
+                    }
+                }
+            }
+            if taken > LONGEST {
+                faults.push(format!("{name}: took {taken:?}"));
+            }
+        }
+        for (_, name) in FORMATS {
+            for path in files(&corpus.join(name)) {
+                let is_part = path.extension().is_some_and(|extension| extension == "mtl");
+                if !is_part && !seen.contains(&path) {
+                    faults.push(format!("{} has no row: {:?}", path.display(), read(&path).err()));
                 }
             }
         }
-        if taken > LONGEST {
-            faults.push(format!("{name}: took {taken:?}"));
-        }
-    }
-    for (_, name) in FORMATS {
-        for path in files(&corpus.join(name)) {
-            let is_part = path.extension().is_some_and(|extension| extension == "mtl");
-            if !is_part && !seen.contains(&path) {
-                faults.push(format!("{} has no row: {:?}", path.display(), read(&path).err()));
-            }
-        }
-    }
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
+        assert!(faults.is_empty(), "{}", faults.join("\n"));
+    });
 }
 
 /// The files that mutations begin with are sound, and those that would explode if they were read naively are read.
 #[test]
 fn sound_files_are_read() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let folder = Folder::new("lumbre-sound");
-    for (format, name) in FORMATS {
-        for path in files(&root().join("tests/corpus/sound").join(name)) {
-            let start = Instant::now();
-            let messages = folder.check(format, &std::fs::read(&path).unwrap());
-            assert!(messages.is_empty(), "{}: {messages:?}", path.display());
-            assert!(start.elapsed() < LONGEST, "{}", path.display());
+    // Memory is counted for the whole process.
+    alone(|| {
+        let folder = Folder::new("lumbre-sound");
+        for (format, name) in FORMATS {
+            for path in files(&root().join("tests/corpus/sound").join(name)) {
+                let start = Instant::now();
+                let messages = folder.check(format, &std::fs::read(&path).unwrap());
+                assert!(messages.is_empty(), "{}: {messages:?}", path.display());
+                assert!(start.elapsed() < LONGEST, "{}", path.display());
+            }
         }
-    }
+    });
 }
 
 /// What a line of a file is costs no more where there are many of them, or where one is very long.
 #[test]
 fn many_elements_take_their_share_of_time() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.xml");
-    let elements = r#"<default name="a" value="b"/>"#.repeat(100_000);
-    std::fs::write(&path, format!("<scene version=\"3.0.0\">\n{elements}\n<shape type=\"teapot\"/></scene>")).unwrap();
-    let start = Instant::now();
-    assert!(check_file(&path, &path).unwrap_err().contains("scene.xml:3"));
-    assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+    // Memory is counted for the whole process.
+    alone(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.xml");
+        let elements = r#"<default name="a" value="b"/>"#.repeat(100_000);
+        std::fs::write(&path, format!("<scene version=\"3.0.0\">\n{elements}\n<shape type=\"teapot\"/></scene>"))
+            .unwrap();
+        let start = Instant::now();
+        assert!(check_file(&path, &path).unwrap_err().contains("scene.xml:3"));
+        assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+    });
 }
 
 /// Folders, devices and pipes are no files: opened as such some of them would never end.
 #[test]
 fn what_is_no_file_is_refused() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let temporary = tempfile::tempdir().unwrap();
-    let refused = |path: &Path, expected: &str| {
-        let message = check_file(path, temporary.path()).unwrap_err();
-        assert!(message.contains(expected) && message.contains("it is not a file"), "{message}");
-    };
-    for name in ["a.xml", "a.gltf", "a.glb", "a.obj", "a.ply"] {
-        let path = temporary.path().join(name);
-        std::fs::create_dir(&path).unwrap();
-        refused(&path, name);
-    }
-    let scene = temporary.path().join("scene.xml");
-    for name in ["a.ply", "/dev/zero"] {
-        for body in [
-            format!(r#"<shape type="ply"><string name="filename" value="{name}"/></shape>"#),
-            format!(r#"<shape type="obj"><string name="filename" value="{name}"/></shape>"#),
-            format!(r#"<shape type="serialized"><string name="filename" value="{name}"/></shape>"#),
-            format!(r#"<emitter type="envmap"><string name="filename" value="{name}"/></emitter>"#),
-            format!(r#"<bsdf type="diffuse"><spectrum name="reflectance" filename="{name}"/></bsdf>"#),
-            format!(r#"<include filename="{name}"/>"#),
-        ] {
-            std::fs::write(&scene, format!("<scene version=\"3.0.0\">\n{body}</scene>")).unwrap();
-            refused(&scene, "scene.xml:2");
+    // Memory is counted for the whole process.
+    alone(|| {
+        let temporary = tempfile::tempdir().unwrap();
+        let refused = |path: &Path, expected: &str| {
+            let message = check_file(path, temporary.path()).unwrap_err();
+            assert!(message.contains(expected) && message.contains("it is not a file"), "{message}");
+        };
+        for name in ["a.xml", "a.gltf", "a.glb", "a.obj", "a.ply"] {
+            let path = temporary.path().join(name);
+            std::fs::create_dir(&path).unwrap();
+            refused(&path, name);
         }
-    }
-    let gltf = temporary.path().join("scene.gltf");
-    std::fs::write(&gltf, r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a.ply"}]}"#).unwrap();
-    refused(&gltf, "a.ply");
-    // A missing material library is a warning, and so is one that is no file.
-    let obj = temporary.path().join("scene.obj");
-    std::fs::write(&obj, "mtllib a.ply\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-    let scene = check_file(&obj, temporary.path()).unwrap();
-    assert!(scene.warnings.iter().any(|warning| warning.contains("it is not a file")), "{:?}", scene.warnings);
+        let scene = temporary.path().join("scene.xml");
+        for name in ["a.ply", "/dev/zero"] {
+            for body in [
+                format!(r#"<shape type="ply"><string name="filename" value="{name}"/></shape>"#),
+                format!(r#"<shape type="obj"><string name="filename" value="{name}"/></shape>"#),
+                format!(r#"<shape type="serialized"><string name="filename" value="{name}"/></shape>"#),
+                format!(r#"<emitter type="envmap"><string name="filename" value="{name}"/></emitter>"#),
+                format!(r#"<bsdf type="diffuse"><spectrum name="reflectance" filename="{name}"/></bsdf>"#),
+                format!(r#"<include filename="{name}"/>"#),
+            ] {
+                std::fs::write(&scene, format!("<scene version=\"3.0.0\">\n{body}</scene>")).unwrap();
+                refused(&scene, "scene.xml:2");
+            }
+        }
+        let gltf = temporary.path().join("scene.gltf");
+        std::fs::write(&gltf, r#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 1, "uri": "a.ply"}]}"#)
+            .unwrap();
+        refused(&gltf, "a.ply");
+        // A missing material library is a warning, and so is one that is no file.
+        let obj = temporary.path().join("scene.obj");
+        std::fs::write(&obj, "mtllib a.ply\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let scene = check_file(&obj, temporary.path()).unwrap();
+        assert!(scene.warnings.iter().any(|warning| warning.contains("it is not a file")), "{:?}", scene.warnings);
+    });
 }
 
 /// What mutations of a format begin with: what is small enough of the corpus, the scenes and the references; and how many of
@@ -333,23 +331,25 @@ fn seeds(format: Format, name: &str) -> (Vec<Vec<u8>>, usize) {
 /// Many small changes to files of each format, the same ones each time: no panic, no more memory than the limit.
 #[test]
 fn mutations_never_panic() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let folder = Folder::new("lumbre-mutations");
-    for ((format, name), rounds) in FORMATS.into_iter().zip([6000; 6]) {
-        let (seeds, sound) = seeds(format, name);
-        let mut mutator = Mutator::new(20_240_607);
-        let (start, mut read) = (Instant::now(), 0);
-        for _ in 0..rounds {
-            read += usize::from(folder.check(format, &mutator.mutated(&seeds, sound)).is_empty());
+    // Memory is counted for the whole process.
+    alone(|| {
+        let folder = Folder::new("lumbre-mutations");
+        for ((format, name), rounds) in FORMATS.into_iter().zip([6000; 6]) {
+            let (seeds, sound) = seeds(format, name);
+            let mut mutator = Mutator::new(20_240_607);
+            let (start, mut read) = (Instant::now(), 0);
+            for _ in 0..rounds {
+                read += usize::from(folder.check(format, &mutator.mutated(&seeds, sound)).is_empty());
+            }
+            println!(
+                "{name}: {rounds} mutations of {} files ({sound} sound), {read} were read, {:?}",
+                seeds.len(),
+                start.elapsed()
+            );
+            assert!(
+                read > rounds / 100 && read < rounds * 9 / 10,
+                "{name}: {read} of {rounds} were read: mutations of no use"
+            );
         }
-        println!(
-            "{name}: {rounds} mutations of {} files ({sound} sound), {read} were read, {:?}",
-            seeds.len(),
-            start.elapsed()
-        );
-        assert!(
-            read > rounds / 100 && read < rounds * 9 / 10,
-            "{name}: {read} of {rounds} were read: mutations of no use"
-        );
-    }
+    });
 }

@@ -1,20 +1,20 @@
 //! The host's layout of every shared struct against what the shaders were compiled to.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use lumbre::layout::{self, SPECIALISATION, address};
-use rspirv::dr::{Instruction, Module, Operand};
-use rspirv::spirv::{Decoration, Op, Word};
 
-const MODULES: [&str; 11] = [
-    "test/mlt.bvh",
-    "test/bdpt.bvh",
-    "test/photon.bvh",
-    "test/radiosity.bvh",
-    "test/path.bvh",
-    "test/path.ray-query",
+/// The passes that hold everything that is shared, and the kernels that have structs of their own.
+const MODULES: [&str; 14] = [
+    "path.pixels.bvh",
+    "path.pixels.ray-query",
+    "bdpt.light.bvh",
+    "bdpt.camera.bvh",
+    "photon.camera.bvh",
+    "radiosity.gather.bvh",
+    "radiosity.pixels.bvh",
+    "mlt.primary.bvh",
+    "mlt.paths.bvh",
     "test/trace.bvh",
     "test/bsdf.bvh",
     "test/light.bvh",
@@ -22,59 +22,81 @@ const MODULES: [&str; 11] = [
     "rays/count.bvh",
 ];
 
+const NAME: u32 = 5;
+const MEMBER_NAME: u32 = 6;
+const TYPE_ARRAY: u32 = 28;
+const TYPE_RUNTIME_ARRAY: u32 = 29;
+const DECORATE: u32 = 71;
+const MEMBER_DECORATE: u32 = 72;
+const SPEC_ID: u32 = 1;
+const ARRAY_STRIDE: u32 = 6;
+const OFFSET: u32 = 35;
+
+/// A module's instructions: the number of each, and its operands.
+struct Module(Vec<(u32, Vec<u32>)>);
+
+/// A module as it was compiled, with its names, which those in the program lack.
 fn load(name: &str) -> Module {
-    let words: Vec<u32> = lumbre::gpu::module(name)
-        .unwrap()
-        .chunks_exact(4)
-        .map(|word| u32::from_le_bytes(word.try_into().unwrap()))
-        .collect();
-    rspirv::dr::load_words(words).unwrap()
-}
-
-fn names(module: &Module) -> BTreeMap<Word, &str> {
-    let named = module.debug_names.iter().filter(|instruction| instruction.class.opcode == Op::Name);
-    named
-        .map(|instruction| (instruction.operands[0].unwrap_id_ref(), instruction.operands[1].unwrap_literal_string()))
-        .collect()
-}
-
-/// The literal of a decoration of this kind.
-fn literal(instruction: &Instruction, kind: Decoration) -> Option<u32> {
-    let at = instruction.operands.iter().position(|operand| *operand == Operand::Decoration(kind))?;
-    Some(instruction.operands[at + 1].unwrap_literal_bit32())
-}
-
-/// Every struct that is laid out in memory: its name, and its members with their offsets.
-fn structs(module: &Module) -> Vec<(String, Vec<(String, u32)>)> {
-    let mut members: BTreeMap<Word, BTreeMap<u32, (String, Option<u32>)>> = BTreeMap::new();
-    for instruction in &module.debug_names {
-        if let [Operand::IdRef(id), Operand::LiteralBit32(index), Operand::LiteralString(name)] =
-            &instruction.operands[..]
-        {
-            members.entry(*id).or_default().entry(*index).or_default().0.clone_from(name);
-        }
+    let list = std::fs::read_to_string(concat!(env!("OUT_DIR"), "/modules.txt")).unwrap();
+    let line = list.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
+    let bytes = std::fs::read(line.unwrap_or_else(|| panic!("no module {name}"))).unwrap();
+    let words: Vec<u32> = bytes.chunks_exact(4).map(|word| u32::from_ne_bytes(word.try_into().unwrap())).collect();
+    let mut rest = &words[5..];
+    let mut instructions = Vec::new();
+    while let Some(first) = rest.first() {
+        let (instruction, behind) = rest.split_at((first >> 16) as usize);
+        instructions.push((first & 0xffff, instruction[1..].to_vec()));
+        rest = behind;
     }
-    for instruction in &module.annotations {
-        if let (Op::MemberDecorate, Some(offset)) = (instruction.class.opcode, literal(instruction, Decoration::Offset))
-        {
-            let (id, index) = (instruction.operands[0].unwrap_id_ref(), instruction.operands[1].unwrap_literal_bit32());
-            members.entry(id).or_default().entry(index).or_default().1 = Some(offset);
-        }
+    Module(instructions)
+}
+
+/// The text that words hold, up to its zero byte.
+fn text(words: &[u32]) -> String {
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).take_while(|byte| *byte != 0);
+    String::from_utf8(bytes.collect()).unwrap()
+}
+
+impl Module {
+    /// The operands of each instruction of a kind.
+    fn of(&self, kind: u32) -> impl Iterator<Item = &[u32]> {
+        self.0.iter().filter(move |(op, _)| *op == kind).map(|(_, operands)| &operands[..])
     }
-    let names = names(module);
-    let placed = members.into_iter().filter_map(|(id, members)| {
-        // A struct that only local variables have is not in memory: its members have no offsets.
-        let members: Option<Vec<_>> = members.into_values().map(|(name, offset)| Some((name, offset?))).collect();
-        Some((names.get(&id)?.to_string(), members?))
-    });
-    placed.collect()
+
+    /// What identifiers are called.
+    fn names(&self) -> BTreeMap<u32, String> {
+        self.of(NAME).map(|operands| (operands[0], text(&operands[1..]))).collect()
+    }
+
+    /// Identifiers with the literal of a decoration of this kind.
+    fn decorated(&self, kind: u32) -> BTreeMap<u32, u32> {
+        self.of(DECORATE).filter(|operands| operands[1] == kind).map(|operands| (operands[0], operands[2])).collect()
+    }
+
+    /// Every struct that is laid out in memory: its name, and its members with their offsets.
+    fn structs(&self) -> Vec<(String, Vec<(String, u32)>)> {
+        let mut members: BTreeMap<u32, BTreeMap<u32, (String, Option<u32>)>> = BTreeMap::new();
+        for operands in self.of(MEMBER_NAME) {
+            members.entry(operands[0]).or_default().entry(operands[1]).or_default().0 = text(&operands[2..]);
+        }
+        for operands in self.of(MEMBER_DECORATE).filter(|operands| operands[2] == OFFSET) {
+            members.entry(operands[0]).or_default().entry(operands[1]).or_default().1 = Some(operands[3]);
+        }
+        let names = self.names();
+        let placed = members.into_iter().filter_map(|(id, members)| {
+            // A struct that only local variables have is not in memory: its members have no offsets.
+            let members: Option<Vec<_>> = members.into_values().map(|(name, offset)| Some((name, offset?))).collect();
+            Some((names.get(&id)?.clone(), members?))
+        });
+        placed.collect()
+    }
 }
 
 #[test]
 fn offsets_are_the_same_on_both_sides() {
     let mut seen = BTreeSet::new();
     for name in MODULES {
-        for (found, members) in structs(&load(name)) {
+        for (found, members) in load(name).structs() {
             let Some(shared) = layout::structs().find(|shared| shared.name == found) else { continue };
             let host: Vec<_> =
                 shared.members.iter().map(|member| (member.name.to_owned(), member.offset as u32)).collect();
@@ -101,22 +123,13 @@ fn array_strides_are_the_sizes() {
     let mut checked = BTreeSet::new();
     for name in MODULES {
         let module = load(name);
-        let names = names(&module);
-        let strides: BTreeMap<Word, u32> = module
-            .annotations
-            .iter()
-            .filter_map(|instruction| {
-                Some((instruction.operands[0].id_ref_any()?, literal(instruction, Decoration::ArrayStride)?))
-            })
-            .collect();
-        for array in module
-            .types_global_values
-            .iter()
-            .filter(|instruction| matches!(instruction.class.opcode, Op::TypeRuntimeArray | Op::TypeArray))
-        {
-            let element = names.get(&array.operands[0].unwrap_id_ref());
-            let Some(shared) = layout::structs().find(|shared| element == Some(&shared.name)) else { continue };
-            if let Some(stride) = strides.get(&array.result_id.unwrap()) {
+        let (names, strides) = (module.names(), module.decorated(ARRAY_STRIDE));
+        for array in module.of(TYPE_RUNTIME_ARRAY).chain(module.of(TYPE_ARRAY)) {
+            let element = names.get(&array[1]);
+            let Some(shared) = layout::structs().find(|shared| element.is_some_and(|name| name == shared.name)) else {
+                continue;
+            };
+            if let Some(stride) = strides.get(&array[0]) {
                 assert_eq!(*stride as usize, shared.size, "stride of an array of {} in {name}", shared.name);
                 checked.insert(shared.name);
             }
@@ -129,12 +142,11 @@ fn array_strides_are_the_sizes() {
 
 #[test]
 fn specialisation_ids_are_the_same_on_both_sides() {
-    let module = load("test/path.bvh");
-    let names = names(&module);
+    let module = load("path.pixels.bvh");
+    let names = module.names();
     let mut checked = 0;
-    for instruction in &module.annotations {
-        let Some(id) = literal(instruction, Decoration::SpecId) else { continue };
-        let name = names.get(&instruction.operands[0].unwrap_id_ref()).copied().unwrap_or_default();
+    for (constant, id) in module.decorated(SPEC_ID) {
+        let name = names.get(&constant).cloned().unwrap_or_default();
         if let Some(constant) = SPECIALISATION.iter().find(|constant| constant.name == name) {
             assert_eq!(id, constant.id, "{name}");
             checked += 1;

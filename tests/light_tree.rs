@@ -1,13 +1,9 @@
 //! Lights selected from a tree: no light is lost, the density is the one that is evaluated, and many lights cost little.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::f64::consts::PI;
 
-use common::sampling::{Findings, numbers};
-use common::{assert_same_mean, backends, canon, render, scene_path, settings, with_gpu};
+use crate::common::sampling::{Findings, numbers};
+use crate::common::{assert_same_mean, backends, canon, render, scene_path, settings, with_gpu};
 use glam::{DAffine3, DVec3};
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;

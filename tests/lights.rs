@@ -1,13 +1,9 @@
 //! Every light: what sampling it gives against what rays find and against integrals in double precision.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::f64::consts::{PI, TAU};
 
-use common::sampling::{Findings, Rings, chi_square_z, numbers, spread};
-use common::{settings, with_gpu};
+use crate::common::sampling::{Findings, Rings, chi_square_z, numbers, spread};
+use crate::common::{settings, with_gpu};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2};
 use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;

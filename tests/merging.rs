@@ -1,12 +1,8 @@
 //! What finds vertices of light paths by a radius, photon mapping and vertex merging: the error vanishes with the number of samples,
 //! nothing is counted twice or missed, and no order of photons or frames changes a bit.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, material_pairs, room, scene};
-use common::{average, canon, has_time, render, settings, with_gpu};
+use crate::common::room::{LAMP, material_pairs, room, scene};
+use crate::common::{average, canon, has_time, render, settings, truth, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -23,9 +19,16 @@ fn film(gpu: &Gpu, scene: &Scene, technique: &str, seed: u32, spp: u32) -> Film 
     render(gpu, scene, &settings, spp)
 }
 
+/// `cornell_spheres` by `path`.
+fn truth_of_cornell_spheres(gpu: &Gpu, scene: &Scene) -> Film {
+    let settings = Settings { width: SIZE, height: SIZE, seed: 1000, ..settings(scene, "path", Backend::Bvh) };
+    truth::truth(gpu, "cornell_spheres-merging-path", scene, &settings, 8192)
+}
+
 /// Largest difference of the mean of a rectangle from that of the truth, over the truth's, of the three channels.
 fn off(found: &Film, truth: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> f64 {
-    let mean = |film: &Film| common::tile_average(film, columns.clone(), rows.clone()).map(|channel| channel.mean);
+    let mean =
+        |film: &Film| crate::common::tile_average(film, columns.clone(), rows.clone()).map(|channel| channel.mean);
     let lit = mean(truth).map(|channel| channel > 0.0);
     let differences = mean(found).into_iter().zip(mean(truth)).zip(lit).filter(|(_, lit)| *lit);
     let differences = differences.map(|((a, b), _)| a / b - 1.0);
@@ -50,10 +53,13 @@ fn the_table_says_that_they_are_consistent() {
 fn the_mean_is_that_of_path() {
     with_gpu(|gpu| {
         let scene = canon("cornell_spheres.xml", &[]);
-        let truth = film(gpu, &scene, "path", 1000, 8192);
+        let truth = truth_of_cornell_spheres(gpu, &scene);
         for technique in ALL {
+            let settings = Settings { width: SIZE, height: SIZE, seed: 1, ..settings(&scene, technique, Backend::Bvh) };
+            let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
             for (spp, bound) in [(32, 0.015), (256, 0.005)] {
-                assert_off(&format!("{technique}, {spp}"), &film(gpu, &scene, technique, 1, spp), &truth, bound);
+                while renderer.advance(spp).unwrap() {}
+                assert_off(&format!("{technique}, {spp}"), &renderer.film().unwrap(), &truth, bound);
             }
         }
     });
@@ -65,18 +71,24 @@ fn the_mean_is_that_of_path() {
 fn the_error_vanishes() {
     with_gpu(|gpu| {
         let scene = canon("cornell_spheres.xml", &[]);
-        let truth = film(gpu, &scene, "path", 1000, 8192).mean();
-        let error = |technique: &str, spp: u32| {
-            let relmse = compare(&film(gpu, &scene, technique, 1, spp).mean(), &truth).unwrap().relmse;
-            println!("{technique}, {spp} samples: relMSE {relmse:.2e}");
+        let truth = truth_of_cornell_spheres(gpu, &scene).mean();
+        let begun = |technique: &str| {
+            let settings = Settings { width: SIZE, height: SIZE, seed: 1, ..settings(&scene, technique, Backend::Bvh) };
+            Renderer::new(gpu, &scene, &settings).unwrap()
+        };
+        let error = |renderer: &mut Renderer, spp: u32| {
+            while renderer.advance(spp).unwrap() {}
+            let relmse = compare(&renderer.film().unwrap().mean(), &truth).unwrap().relmse;
+            println!("{}, {spp} samples: relMSE {relmse:.2e}", renderer.settings().technique.describe());
             relmse
         };
         for (technique, bound) in [("photon", 0.015), ("vcm", 0.005)] {
-            let errors = [8, 64, 512].map(|spp| error(technique, spp));
+            let mut renderer = begun(technique);
+            let errors = [8, 64, 512].map(|spp| error(&mut renderer, spp));
             assert!(errors.is_sorted_by(|a, b| *b < 0.3 * *a), "{technique}: {errors:?}");
             assert!(errors[2] < bound, "{technique}: {errors:?}");
         }
-        let at = |alpha: &str| error(&format!("photon:radius=0.1:alpha={alpha}"), 256);
+        let at = |alpha: &str| error(&mut begun(&format!("photon:radius=0.1:alpha={alpha}")), 256);
         let (shrinking, blurred) = (at("0.5"), at("1"));
         assert!(shrinking < 0.5 * blurred, "{shrinking} against {blurred}");
     });
@@ -128,7 +140,8 @@ fn light_through_glass_is_found() {
             let settings = Settings { width: 32, height: 32, seed, ..settings(&scene, technique, Backend::Bvh) };
             render(gpu, &scene, &settings, spp)
         };
-        let truth = small("path", 1000, 32768);
+        let truth = Settings { width: 32, height: 32, seed: 1000, ..settings(&scene, "path", Backend::Bvh) };
+        let truth = truth::truth(gpu, "torus_in_glass-path", &scene, &truth, 32768);
         for technique in ["photon:radius=0.01", "vcm:radius=0.01"] {
             let found = small(technique, 1, 2048);
             assert_off(&format!("torus_in_glass, {technique}"), &found, &truth, 0.02);
@@ -156,7 +169,7 @@ fn hidden_caustics_are_found_by_merging_alone() {
             assert_off(&format!("{name}: vcm against photon"), &vcm, &photon, 0.01);
             let mut fine = 0;
             for (x, y) in [(0, 0), (32, 0), (0, 32), (32, 32)] {
-                let tile = |film: &Film| common::tile_average(film, x..x + 32, y..y + 32)[1];
+                let tile = |film: &Film| crate::common::tile_average(film, x..x + 32, y..y + 32)[1];
                 let (a, b) = (tile(&vcm), tile(&photon));
                 let (quarter, sigma) = (a.mean / b.mean - 1.0, (a.variance + b.variance).sqrt() / b.mean);
                 println!("{name}: the quarter at ({x}, {y}) is off by {quarter:+.4}, sigma {sigma:.4}");
@@ -217,7 +230,9 @@ fn furnace() {
 fn paths_end_where_they_have_to() {
     let scene = canon("cornell_spheres.xml", &[]);
     with_gpu(|gpu| {
-        for (max_depth, techniques) in [(1, &ALL[..1]), (2, &ALL[..]), (3, &ALL[1..3]), (5, &ALL[..])] {
+        // The forms differ in what they count of direct light, at two segments; beyond that each length is as the one before.
+        let all = [(1, &ALL[..1]), (2, &ALL[..]), (5, &ALL[1..3]), (3, &ALL[1..3]), (5, &ALL[..])];
+        for (max_depth, techniques) in all.into_iter().take(if has_time() { 5 } else { 3 }) {
             let film = |technique: &str, seed: u32, spp: u32| {
                 let settings = Settings {
                     width: SIZE,

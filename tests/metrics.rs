@@ -1,7 +1,5 @@
 //! FLIP against NVIDIA's own implementation.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use lumbre::film::Image;
 use lumbre::metrics::flip_map;
 use lumbre::output::srgb_to_linear;

@@ -1,13 +1,8 @@
 //! Mip maps: each level against the mean of what it covers, and the level that paths look up against the noise that it leaves.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
-use std::process::Command;
 
-use common::{backends, render, settings, with_gpu};
+use crate::common::{backends, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::layout::FILTER_NEAREST_BIT;
@@ -210,7 +205,7 @@ fn nearest_texels_stay() {
 fn the_figures_say_so() {
     let folder = tempfile::tempdir().unwrap();
     scene(folder.path(), &camera(20.0, 0.0, 20.0, 2.0), PLANE, "bilinear", false);
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    let mut command = crate::common::program::lumbre();
     command.args(["render", "scene.xml", "--mip-maps", "-n", "1", "-q", "--json", "-"]).current_dir(folder.path());
     command.args(std::env::var("LUMBRE_TEST_DEVICE").iter().flat_map(|device| ["--device", device]));
     let output = command.output().unwrap();

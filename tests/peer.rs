@@ -1,8 +1,5 @@
 //! A bench with another renderer in it: shell scripts that speak the protocol of `bench::peer`, or fail to.
 
-#![cfg(unix)]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};

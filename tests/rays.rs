@@ -1,11 +1,7 @@
 //! What `lumbre rays` measures: the counts of its counting kernel against a traversal on the CPU, and the order of the rays.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::sampling::spread;
-use common::{backends, canon, settings, with_gpu};
+use crate::common::sampling::spread;
+use crate::common::{backends, canon, settings, with_gpu};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use lumbre::backend::Backend;
 use lumbre::bvh::{Bvh, CELL_MARGIN};

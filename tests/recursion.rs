@@ -1,10 +1,6 @@
 //! The rendering equation evaluated as it recurses, against the loop that comes of it.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
-use common::{backends, canon, render, settings, with_gpu};
+use crate::common::{backends_in_time, canon, render, settings, with_gpu};
 use lumbre::film::Film;
 use lumbre::render::Settings;
 use lumbre::scene::Scene;
@@ -23,7 +19,8 @@ fn scenes() -> Vec<(Scene, u32)> {
 fn compare_with_path(technique: &str, lengths: u32, compare: impl Fn(&str, &Film, &Film)) {
     for (scene, rr_depth) in scenes() {
         with_gpu(|gpu| {
-            for backend in backends(gpu) {
+            // Both forms ask rays by the same functions, which differ by backend.
+            for backend in backends_in_time(gpu) {
                 let film = |technique: &str| {
                     let settings = Settings { rr_depth, lengths, ..settings(&scene, technique, backend) };
                     render(gpu, &scene, &settings, 32)

@@ -2,14 +2,10 @@
 //!
 //! `benches/references.py` makes the scenes and the references, which hold the variance of their means.
 
-#![allow(clippy::unwrap_used)]
-
-mod common;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use common::{backends, has_time, render, settings, with_gpu};
+use crate::common::{backends, has_time, render, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::metrics::stats::{sidak, two_sided_p};

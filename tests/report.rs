@@ -1,7 +1,5 @@
 //! The report of a bench: a page that parses, that says what the results say, and that works in a browser.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
 use std::collections::HashSet;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};

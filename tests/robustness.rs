@@ -1,12 +1,8 @@
 //! Bad input: each case names the culprit in one line, and nothing panics.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 
-use common::{settings, with_gpu};
+use crate::common::{settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::gpu::Buffer;
 use lumbre::scene::{LoadOptions, Scene};
@@ -279,7 +275,7 @@ fn broken_ply_files() {
 /// What a renderer refuses at its own door.
 #[test]
 fn bad_settings() {
-    let scene = common::canon("furnace_box.xml", &[]);
+    let scene = crate::common::canon("furnace_box.xml", &[]);
     with_gpu(|gpu| {
         let mut wrong = settings(&scene, "path", Backend::Bvh);
         wrong.width = 0;

@@ -1,11 +1,7 @@
 //! Random numbers and sampling maps, through the shaders' own functions.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::sampling::{Mapped, random, random_from};
-use common::with_gpu;
+use crate::common::sampling::{Mapped, random, random_from};
+use crate::common::with_gpu;
 use glam::Vec3;
 use lumbre::layout::RandomQuery;
 use lumbre::sampler::Sampler;

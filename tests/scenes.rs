@@ -1,12 +1,8 @@
 //! What scene files mean: each test states the picture that a small file must give.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::PathBuf;
 
-use common::{assert_mean, average, backends, canon, render, settings, with_gpu};
+use crate::common::{assert_mean, average, backends, backends_in_time, canon, render, settings, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::layout::{MATERIAL_DIELECTRIC, NONE, SMOOTH_BIT, SPHERE_BIT};
@@ -55,12 +51,12 @@ fn the_canon_loads_without_warnings_and_renders() {
     files.sort();
     assert!(files.len() >= 6, "{files:?}");
     for name in files {
-        let text = std::fs::read_to_string(common::scene_path(&name)).unwrap();
+        let text = std::fs::read_to_string(crate::common::scene_path(&name)).unwrap();
         assert!(text.contains("What to look for:"), "{name} should open with a comment that says what to look for");
         let scene = canon(&name, &[]);
         assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
         with_gpu(|gpu| {
-            for backend in backends(gpu) {
+            for backend in backends_in_time(gpu) {
                 let mut settings = settings(&scene, "path", backend);
                 (settings.width, settings.height) = (32, 24);
                 let film = render(gpu, &scene, &settings, 8);
@@ -569,7 +565,7 @@ fn energy_compensation_is_for_rough_metals_and_rough_glass() {
     let scene = load(r#"<bsdf type="roughplastic"/>"#, true);
     assert!(scene.compensations.is_empty());
     assert!(scene.warnings.iter().any(|warning| warning.contains("energy compensation")), "{:?}", scene.warnings);
-    let path = common::scene_path("gltf_room/room.gltf");
+    let path = crate::common::scene_path("gltf_room/room.gltf");
     let options = LoadOptions { energy_compensation: true, ..LoadOptions::default() };
     let error = lumbre::scene::load(&path, &options).unwrap_err().to_string();
     assert!(error.contains("energy compensation"), "{error}");

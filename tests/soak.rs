@@ -2,14 +2,11 @@
 //! with validation on. Nothing may stay behind: neither memory of the device or of the host, nor a validation message. Each run is made
 //! of its number alone; `LUMBRE_SOAK_FIRST` begins with another one than 0. What takes long is told.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
 use std::path::Path;
 use std::time::Instant;
 
-use common::{backends, canon, settings, with_gpu};
+use crate::common::alone::alone;
+use crate::common::{backends, canon, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::error::Error;
 use lumbre::integrator::{INTEGRATORS, Kept};
@@ -91,57 +88,61 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
 
 #[test]
 fn nothing_stays_behind() {
-    let asked = std::env::var("LUMBRE_SOAK_SECONDS").ok();
-    let seconds: f64 = asked.map_or(SECONDS, |text| text.parse().expect("LUMBRE_SOAK_SECONDS: a number of seconds"));
-    let scenes: Vec<_> = SCENES.iter().map(|name| canon(name, &[])).collect();
-    with_gpu(|gpu| {
-        let backends = backends(gpu);
-        let first: u64 =
-            std::env::var("LUMBRE_SOAK_FIRST").map_or(0, |text| text.parse().expect("LUMBRE_SOAK_FIRST: a number"));
-        let (held, begun) = (gpu.bytes_in_use(), Instant::now());
-        let (mut runs, mut without_light, mut peak, mut told) = (first, 0, 0.0f64, 0);
-        let mut at_second_quarter: Option<(f64, u64)> = None;
-        while begun.elapsed().as_secs_f64() < seconds {
-            let mut random = Random(runs.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-            let scene = &scenes[random.below(scenes.len())];
-            let backend = random.of(&backends);
-            let settings = any_settings(&mut random, scene, backend);
-            let what = format!("run {runs}: {} {settings:?}", scene.source.display());
-            let spp = 1 + random.below(12) as u32;
-            let started = Instant::now();
-            match one(gpu, scene, &settings, spp, &mut random) {
-                Ok(()) => {}
-                Err(Error::NothingFound(_)) => without_light += 1,
-                Err(error) => panic!("{what}: {error}"),
+    // The memory is that of the whole process.
+    alone(|| {
+        let asked = std::env::var("LUMBRE_SOAK_SECONDS").ok();
+        let seconds: f64 =
+            asked.map_or(SECONDS, |text| text.parse().expect("LUMBRE_SOAK_SECONDS: a number of seconds"));
+        let scenes: Vec<_> = SCENES.iter().map(|name| canon(name, &[])).collect();
+        with_gpu(|gpu| {
+            let backends = backends(gpu);
+            let first: u64 =
+                std::env::var("LUMBRE_SOAK_FIRST").map_or(0, |text| text.parse().expect("LUMBRE_SOAK_FIRST: a number"));
+            let (held, begun) = (gpu.bytes_in_use(), Instant::now());
+            let (mut runs, mut without_light, mut peak, mut told) = (first, 0, 0.0f64, 0);
+            let mut at_second_quarter: Option<(f64, u64)> = None;
+            while begun.elapsed().as_secs_f64() < seconds {
+                let mut random = Random(runs.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+                let scene = &scenes[random.below(scenes.len())];
+                let backend = random.of(&backends);
+                let settings = any_settings(&mut random, scene, backend);
+                let what = format!("run {runs}: {} {settings:?}", scene.source.display());
+                let spp = 1 + random.below(12) as u32;
+                let started = Instant::now();
+                match one(gpu, scene, &settings, spp, &mut random) {
+                    Ok(()) => {}
+                    Err(Error::NothingFound(_)) => without_light += 1,
+                    Err(error) => panic!("{what}: {error}"),
+                }
+                if started.elapsed().as_secs_f64() > LONG {
+                    println!("{:.0} s, {what}, {spp} spp", started.elapsed().as_secs_f64());
+                }
+                let messages = gpu.take_validation_messages();
+                assert!(messages.is_empty(), "{what}: {messages:#?}");
+                assert_eq!(gpu.bytes_in_use(), held, "{what}: bytes on the device");
+                (runs, peak) = (runs + 1, peak.max(resident()));
+                let share = begun.elapsed().as_secs_f64() / seconds;
+                if share >= 0.25 && at_second_quarter.is_none() {
+                    at_second_quarter = Some((resident(), runs));
+                }
+                if (share * 12.0) as u32 > told {
+                    told = (share * 12.0) as u32;
+                    println!("{:6.0} s, {runs:6} runs, {:7.1} MiB", share * seconds, resident() / 1048576.0);
+                }
             }
-            if started.elapsed().as_secs_f64() > LONG {
-                println!("{:.0} s, {what}, {spp} spp", started.elapsed().as_secs_f64());
-            }
-            let messages = gpu.take_validation_messages();
-            assert!(messages.is_empty(), "{what}: {messages:#?}");
-            assert_eq!(gpu.bytes_in_use(), held, "{what}: bytes on the device");
-            (runs, peak) = (runs + 1, peak.max(resident()));
-            let share = begun.elapsed().as_secs_f64() / seconds;
-            if share >= 0.25 && at_second_quarter.is_none() {
-                at_second_quarter = Some((resident(), runs));
-            }
-            if (share * 12.0) as u32 > told {
-                told = (share * 12.0) as u32;
-                println!("{:6.0} s, {runs:6} runs, {:7.1} MiB", share * seconds, resident() / 1048576.0);
-            }
-        }
-        let (before, runs_before) = at_second_quarter.expect("more than one run in the time");
-        let grown = resident() - before;
-        println!(
-            "{} runs, {without_light} without light; peak {:.1} MiB, grown by {:.1} MiB in the last three quarters",
-            runs - first,
-            peak / 1048576.0,
-            grown / 1048576.0
-        );
-        assert!(
-            grown < MAY_GROW + MAY_GROW_BY_RUN * (runs - runs_before) as f64,
-            "grown by {grown} bytes in {runs} runs"
-        );
+            let (before, runs_before) = at_second_quarter.expect("more than one run in the time");
+            let grown = resident() - before;
+            println!(
+                "{} runs, {without_light} without light; peak {:.1} MiB, grown by {:.1} MiB in the last three quarters",
+                runs - first,
+                peak / 1048576.0,
+                grown / 1048576.0
+            );
+            assert!(
+                grown < MAY_GROW + MAY_GROW_BY_RUN * (runs - runs_before) as f64,
+                "grown by {grown} bytes in {runs} runs"
+            );
+        });
     });
 }
 

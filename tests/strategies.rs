@@ -1,11 +1,7 @@
 //! The strategies of bidirectional path tracing: what each of them brings, and what it is weighed by.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::room::{LAMP, room, scene};
-use common::{backends, canon, films, settings, verify, with_gpu};
+use crate::common::room::{LAMP, room, scene};
+use crate::common::{backends_in_time, canon, films, settings, verify, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::film::Film;
 use lumbre::gpu::Gpu;
@@ -72,7 +68,7 @@ fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64
 #[test]
 fn in_the_cornell_box() {
     let scene = canon("cornell.xml", &[("size", "32")]);
-    each_brings_all_of_its_length("cornell", &scene, 256, 0.02, backends);
+    each_brings_all_of_its_length("cornell", &scene, 256, 0.02, backends_in_time);
 }
 
 /// Through a lens, which paths from the light run into (t = 0), and with filters wider than a pixel. One backend is enough: layers know

@@ -1,13 +1,9 @@
 //! Trees, and triangles that are constants of the kernel. Both backends against a brute force, and closed meshes, are rows of `lumbre
 //! verify`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{settings, with_gpu};
+use crate::common::{settings, with_gpu};
 use glam::DVec3;
 use lumbre::backend::Backend;
 use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
@@ -43,7 +39,7 @@ impl Random {
 /// A tiny scene's triangles as constants of the kernel answer bit for bit as the BVH does.
 #[test]
 fn inline_triangles_answer_as_the_bvh_does() {
-    let scene = common::canon("cornell.xml", &[]);
+    let scene = crate::common::canon("cornell.xml", &[]);
     let mut random = Random(5);
     let rays: Vec<RayRecord> = (0..200_000)
         .map(|_| RayRecord {

@@ -1,10 +1,6 @@
 //! The short form of `lumbre verify`: every row of its table, on every backend.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod common;
-
-use common::{backends, check_gpu, open_gpu, with_gpu};
+use crate::common::{backends, check_gpu, open_gpu, with_gpu};
 use lumbre::verify::{CASES, Case, Effort, Verdict, find, measure_all};
 
 /// All figures are within their bounds, or beyond them by the driver's own doing.

@@ -1,10 +1,6 @@
 //! Recursive ray tracing: what it accounts for, that branching changes no mean, and its two kinds of lights.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-mod common;
-
-use common::{assert_same_mean, backends, render, room, settings, with_gpu};
+use crate::common::{assert_same_mean, backends_in_time, render, room, settings, with_gpu};
 use lumbre::film::Film;
 use lumbre::render::Settings;
 use lumbre::scene::Scene;
@@ -35,7 +31,7 @@ fn mirrors_and_glass() -> Scene {
 fn chains_of_mirrors_and_glass_end_in_direct_light() {
     let scene = mirrors_and_glass();
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             let film = |technique: &str, seed: u32, spp: u32| {
                 let settings = Settings { seed, ..settings(&scene, technique, backend) };
                 render(gpu, &scene, &settings, spp)
@@ -67,7 +63,7 @@ fn light_that_was_scattered_twice_is_left_out() {
         room::LAMP
     ));
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             let direct = render(gpu, &scene, &settings(&scene, "direct", backend), 1024);
             for technique in ["whitted", "whitted:shadow-rays=7"] {
                 let found = render(gpu, &scene, &Settings { seed: 4, ..settings(&scene, technique, backend) }, 256);
@@ -102,12 +98,12 @@ fn the_middle_stands_for_the_lamp() {
         [[a, 1.5, b], [-a, 1.5, -b]].map(|at| of_point(at, &|cosine| 5.0 * area * cosine)).iter().sum::<f64>()
     });
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             let found = |lamp: &str| {
                 let scene = room::scene(&[floor, lamp].concat());
                 let film = render(gpu, &scene, &settings(&scene, "whitted:lights=point", backend), 256);
                 // The middle of the image: within a pixel of it the light is as good as linear.
-                let [_, measured, _] = common::tile_average(&film, 7..9, 7..9);
+                let [_, measured, _] = crate::common::tile_average(&film, 7..9, 7..9);
                 measured.mean
             };
             let ball = found(ball);
@@ -133,7 +129,7 @@ fn lights_of_one_point_have_sharp_shadows() {
             <emitter type='area'><rgb name='radiance' value='5'/></emitter></shape>",
     );
     with_gpu(|gpu| {
-        for backend in backends(gpu) {
+        for backend in backends_in_time(gpu) {
             let partly = |technique: &str| {
                 let film = render(gpu, &scene, &settings(&scene, technique, backend), 64);
                 let mut values: Vec<f32> = film.mean().pixels.iter().map(|pixel| pixel[0]).collect();

@@ -2,6 +2,7 @@
 
 mod flip;
 pub mod stats;
+pub mod tiles;
 
 use serde::Serialize;
 

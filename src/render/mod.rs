@@ -15,6 +15,7 @@ mod probe;
 mod radiosity;
 mod scratch;
 mod settings;
+mod spent;
 mod state;
 mod target;
 mod upload;
@@ -28,6 +29,7 @@ pub use memory::{Part, Prediction};
 pub use patch_report::PatchReport;
 pub use probe::Probe;
 pub use settings::{Settings, Technique};
+pub use spent::{Spent, spent};
 
 use crate::error::{Error, Result};
 use crate::film::{BadSample, Film, StrategyLayers};
@@ -161,6 +163,7 @@ impl Renderer {
         };
         while_compiling(watch, || renderer.dispatch(Frame::NOTHING, true))?;
         renderer.seconds.compile = started.elapsed().as_secs_f64();
+        spent::compiled(renderer.seconds.compile);
         renderer.quarter_patches(scene, watch)?;
         Ok(renderer)
     }
@@ -179,6 +182,7 @@ impl Renderer {
         let device = self.dispatch(frame, self.plan.ends_stages(frame))?;
         let wall = started.elapsed();
         self.plan.done(frame, wall);
+        spent::rendered(wall.as_secs_f64(), u64::from(frame.slots) * u64::from(frame.samples));
         self.seconds.render += wall.as_secs_f64();
         self.seconds.device += device.as_secs_f64();
         Ok(self.plan.next(target).is_some())
@@ -406,6 +410,7 @@ impl Renderer {
         let device = self.submit(&work, self.constants(Frame::NOTHING), &runs)?;
         let took = started.elapsed();
         self.chains.as_mut().map_or(Ok(()), |chains| chains.made(count, took))?;
+        spent::rendered(started.elapsed().as_secs_f64(), 0);
         self.seconds.render += started.elapsed().as_secs_f64();
         self.seconds.device += device.as_secs_f64();
         Ok(())

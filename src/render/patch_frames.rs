@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::frames::Frame;
 use super::radiosity::{self, Radiosity};
 use super::watch::{Building, Watch};
-use super::{Renderer, Seconds};
+use super::{Renderer, Seconds, spent};
 use crate::error::Result;
 use crate::layout::{FrameConstants, WORKGROUP};
 use crate::scene::Scene;
@@ -75,6 +75,7 @@ impl Renderer {
         if let Some(radiosity) = &mut self.radiosity {
             radiosity.done(frame, wall)?;
         }
+        spent::rendered(wall.as_secs_f64(), 0);
         self.seconds.render += wall.as_secs_f64();
         self.seconds.device += took.device.as_secs_f64();
         Ok(true)

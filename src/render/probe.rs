@@ -2,11 +2,14 @@
 //! functions one by one.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use bytemuck::Pod;
 
 use super::frames::Frame;
 use super::kernel::Kernel;
+use super::spent;
 use super::upload::{Uploaded, sphere_radius};
 use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
@@ -22,6 +25,15 @@ pub struct Probe {
     size: (u32, u32),
     seed: u32,
     scene_radius: f32,
+    /// Whether it has run: CPU devices compile when it does so first.
+    has_run: AtomicBool,
+}
+
+fn compile(gpu: &Gpu, scene: &Scene, settings: &Settings, module: &str, uploaded: Arc<Uploaded>) -> Result<Kernel> {
+    let started = Instant::now();
+    let kernel = Kernel::new(gpu, scene, settings, module, uploaded)?;
+    spent::compiled(started.elapsed().as_secs_f64());
+    Ok(kernel)
 }
 
 impl Probe {
@@ -31,14 +43,14 @@ impl Probe {
         settings.check(gpu, scene)?;
         memory::check_scene(gpu, scene, settings)?;
         let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, &|_| {})?);
-        let kernel = Kernel::new(gpu, scene, settings, &module, uploaded)?;
+        let kernel = compile(gpu, scene, settings, &module, uploaded)?;
         Ok(Self::of(gpu, scene, settings, name, kernel))
     }
 
     /// Another kernel for the same scene and settings, which are not uploaded again.
     pub fn sibling(&self, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
-        let kernel = Kernel::new(&self.gpu, scene, settings, &module, self.kernel.scene.clone())?;
+        let kernel = compile(&self.gpu, scene, settings, &module, self.kernel.scene.clone())?;
         Ok(Self::of(&self.gpu, scene, settings, name, kernel))
     }
 
@@ -50,6 +62,7 @@ impl Probe {
             size: (settings.width, settings.height),
             seed: settings.seed,
             scene_radius: sphere_radius(scene),
+            has_run: AtomicBool::new(false),
         }
     }
 
@@ -104,11 +117,18 @@ impl Probe {
             let fit = u64::from(most) * u64::from(WORKGROUP);
             return Err(Error::Usage(format!("{name} over {count} elements: {device} runs {fit} at once")));
         }
-        let kernel = &self.kernel;
-        self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
+        let (kernel, started) = (&self.kernel, Instant::now());
+        let work = self.gpu.run(&format!("kernel {}", self.name), &format!("{count} elements"), |commands| {
             commands.dispatch(&kernel.pipeline, &kernel.bindings, bytemuck::bytes_of(&constants), workgroups);
             commands.barrier();
-        })
+        })?;
+        let seconds = started.elapsed().as_secs_f64();
+        if self.has_run.swap(true, Ordering::Relaxed) {
+            spent::rendered(seconds, 0)
+        } else {
+            spent::compiled(seconds)
+        }
+        Ok(work)
     }
 
     /// What was uploaded.

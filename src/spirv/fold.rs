@@ -58,7 +58,7 @@ pub fn fold(number: u16, width: u32, operand_width: u32, operands: &[Known]) -> 
     }
     let a = of(0)?;
     let unary = match number {
-        op::LOGICAL_NOT => Some(1 - a),
+        op::LOGICAL_NOT => Some(u64::from(a == 0)),
         op::NOT => Some(!a),
         op::S_NEGATE => Some(a.wrapping_neg()),
         op::COPY_OBJECT => Some(a),

@@ -161,7 +161,8 @@ impl<'a> Live<'a> {
 
     /// The identifier that stands for this one: of a constant, or of the only value that a phi or a selection can have.
     pub fn resolve(&self, mut id: u32) -> u32 {
-        loop {
+        // Phis that have only each other as values can stand in broken modules: there is an end to asking.
+        for _ in 0..=self.found.module.code.len() {
             let index = self.found.definition[id as usize];
             let instruction = self.found.module.code[index as usize];
             let is_instruction =
@@ -187,6 +188,7 @@ impl<'a> Live<'a> {
                 None => return id,
             }
         }
+        id
     }
 
     /// Of a phi, the values that can arrive with the labels that they come from; nothing for other instructions.

@@ -36,6 +36,10 @@ impl<'a> Module<'a> {
             return Err(String::from("these words are not a SPIR-V module"));
         }
         let bound = words[3];
+        // Each identifier is defined by two words or more: what claims more than there can be would have room made for it.
+        if bound as usize > words.len() {
+            return Err(format!("{bound} identifiers are more than {} words can define", words.len()));
+        }
         let mut module = Self { words, code: Vec::new(), bound };
         let mut at = HEADER;
         while at < words.len() {
@@ -65,6 +69,7 @@ impl<'a> Module<'a> {
             Operands::LiteralIds | Operands::SpecConstantOp => 1,
             Operands::AllIds => 0,
         };
+        let ids = ids.max(op::fewest_operands(op));
         if len < 1 + u32::from(row.typed) + u32::from(row.result) + ids {
             return fault("words are missing");
         }

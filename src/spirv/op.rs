@@ -88,6 +88,59 @@ pub fn is_pure(op: u16) -> bool {
         || matches!(op, ATOMIC_FLOAT_ADD | STORE | COPY_MEMORY | FUNCTION_CALL | LABEL))
 }
 
+/// Operands without which an instruction of those that are looked into means nothing.
+pub fn fewest_operands(op: u16) -> u32 {
+    match op {
+        TYPE_INT
+        | TYPE_FLOAT
+        | CONSTANT
+        | SPEC_CONSTANT
+        | FUNCTION_CALL
+        | ACCESS_CHAIN
+        | IN_BOUNDS_ACCESS_CHAIN
+        | COPY_OBJECT
+        | BITCAST
+        | BRANCH
+        | RETURN_VALUE => 1,
+        TYPE_POINTER | SPEC_CONSTANT_OP => 2,
+        SELECT => 3,
+        S_NEGATE..=NOT => 1,
+        _ => 0,
+    }
+}
+
+/// The operands that are labels of blocks, by their places.
+pub fn labels(op: u16, operands: &[u32]) -> Vec<u32> {
+    let every_second = |from: usize| operands.iter().skip(from).step_by(2).copied().collect();
+    match op {
+        BRANCH | SELECTION_MERGE => operands[..1].to_vec(),
+        LOOP_MERGE => operands[..2].to_vec(),
+        BRANCH_CONDITIONAL => operands[1..3].to_vec(),
+        SWITCH | PHI => every_second(1),
+        _ => Vec::new(),
+    }
+}
+
+/// Whether it may refer to what is defined behind it.
+pub fn looks_ahead(op: u16) -> bool {
+    const DECORATE_ID: u16 = 332;
+    is_terminator(op)
+        || matches!(
+            op,
+            PHI | LOOP_MERGE
+                | SELECTION_MERGE
+                | FUNCTION_CALL
+                | ENTRY_POINT
+                | EXECUTION_MODE
+                | EXECUTION_MODE_ID
+                | DECORATE
+                | MEMBER_DECORATE
+                | DECORATE_ID
+                | TYPE_FORWARD_POINTER
+                | TYPE_STRUCT
+        )
+}
+
 /// An instruction's row; none for one that is not known here.
 pub fn row(op: u16) -> Option<Row> {
     use Operands::*;

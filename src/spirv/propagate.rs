@@ -160,7 +160,13 @@ impl<'a> Propagation<'a> {
             match instruction.op {
                 op::TYPE_BOOL | op::TYPE_INT | op::TYPE_FLOAT => {
                     let width = if instruction.op == op::TYPE_BOOL { 1 } else { module.operands(*instruction)[0] };
+                    if !(1..=64).contains(&width) {
+                        return Err(format!("a number of {width} bits"));
+                    }
                     module.result(*instruction).into_iter().for_each(|id| new.widths[id as usize] = width);
+                }
+                op::FUNCTION | op::FUNCTION_PARAMETER | op::FUNCTION_END if open != NONE => {
+                    return Err(String::from("a block has no end"));
                 }
                 op::FUNCTION => {
                     let blocks = new.blocks.len() as u32;
@@ -192,11 +198,40 @@ impl<'a> Propagation<'a> {
                 if new.definition[id as usize] == NONE {
                     return Err(format!("identifier {id} is not defined"));
                 }
+                if new.definition[id as usize] >= index && !op::looks_ahead(instruction.op) {
+                    return Err(format!("identifier {id} is used before it is defined"));
+                }
                 new.users[id as usize].push(index);
             }
+            new.check(index, *instruction)?;
         }
         new.reached = vec![false; new.blocks.len()];
         Ok(new)
+    }
+
+    /// Whether what it names as labels are some of its function, and a constant is of a type that constants can have.
+    fn check(&self, index: u32, instruction: Instruction) -> Result<(), String> {
+        let function = |index: u32| self.blocks.get(self.block_of[index as usize] as usize).map(|block| block.function);
+        for label in op::labels(instruction.op, self.module.operands(instruction)) {
+            let at = self.definition[label as usize];
+            let is_label = self.module.code[at as usize].op == op::LABEL;
+            if !is_label || function(index).is_none() || function(at) != function(index) {
+                return Err(format!("identifier {label} is no block of the function that goes there"));
+            }
+        }
+        let is_scalar = matches!(
+            instruction.op,
+            op::CONSTANT_TRUE
+                | op::CONSTANT_FALSE
+                | op::CONSTANT
+                | op::SPEC_CONSTANT_TRUE
+                | op::SPEC_CONSTANT_FALSE
+                | op::SPEC_CONSTANT
+        );
+        match self.module.result_type(instruction).filter(|_| is_scalar) {
+            Some(ty) if self.widths[ty as usize] == 0 => Err(format!("type {ty} has no constants")),
+            _ => Ok(()),
+        }
     }
 
     /// Scalars in local variables, and behind parameters that are only loaded from.
@@ -275,7 +310,8 @@ impl<'a> Propagation<'a> {
                     self.extracted(operands[1], &operands[2..]).bits()
                 }
                 op::SPEC_CONSTANT_OP if width > 0 => {
-                    let known: Vec<Known> = operands[1..].iter().map(|id| self.known[*id as usize]).collect();
+                    let known = |id: &u32| self.known.get(*id as usize).copied().unwrap_or(Known::Varying);
+                    let known: Vec<Known> = operands[1..].iter().map(known).collect();
                     fold::fold(operands[0] as u16, width, self.width_of(operands[1]), &known)
                 }
                 _ => None,

@@ -6,10 +6,10 @@ use super::Run;
 use super::figure::Figure;
 use super::geometry::{lamp, look};
 use super::room;
-use super::run::{average, tile_average};
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::metrics::stats::Estimate;
+use crate::metrics::tiles::{average, tile_average};
 use crate::render::{Renderer, Settings};
 use crate::scene::material::{self, MaterialDescription};
 use crate::scene::texture::{Pattern, Texels, TextureDescription, TextureImage};
@@ -170,7 +170,7 @@ pub(super) fn mlt_start(run: &mut Run) -> Result<()> {
     let limited = |settings: Settings| Settings { max_depth: Some(6), ..settings };
     let settings = limited(run.settings(&scene, "path")?);
     let film = run.render(&scene, &Settings { seed: 1000, ..settings }, run.pick(8192, 2048))?;
-    let truth = tile_average(&film, [0, 0, 32, 32])[1];
+    let truth = tile_average(&film, 0..32, 0..32)[1];
     for form in run.pick(vec!["primary", "multiplexed", "paths"], vec!["primary"]) {
         // They divide the 1024 mutations of a sample, or are divided by them.
         let mut counts = vec![(103, 32), (10_240, 32), (1_048_576, 32)];

@@ -6,11 +6,12 @@ use glam::{DAffine3, DVec3};
 use super::Run;
 use super::figure::{Figure, Worst};
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, look};
-use super::run::{average, differing};
+use super::run::differing;
 use crate::backend::Backend;
 use crate::error::Result;
 use crate::integrator::Solves;
 use crate::metrics::stats::Estimate;
+use crate::metrics::tiles::average;
 use crate::render::Settings;
 use crate::scene::{Mesh, Scene, SceneBuilder};
 

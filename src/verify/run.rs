@@ -9,6 +9,7 @@ use crate::film::Film;
 use crate::gpu::Gpu;
 use crate::integrator::{Bias, INTEGRATORS, Integrator, Kept, Solves};
 use crate::metrics::stats::{Estimate, sidak, two_sided_p};
+use crate::metrics::tiles::{LargestZ, average, largest_z};
 use crate::output::{Picture, write_picture};
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
@@ -215,26 +216,9 @@ impl<'a> Run<'a> {
     /// Holds two films of the same scene against each other: the largest z of all tiles and channels at the 1 % level of all together
     /// (Sidak), and that of the whole image.
     pub(super) fn same(&mut self, technique: &str, what: &str, a: &Film, b: &Film, tile: u32) {
-        let mut worst = super::figure::Worst::default();
-        let mut count = 0;
-        for y in (0..a.height).step_by(tile as usize) {
-            for x in (0..a.width).step_by(tile as usize) {
-                let area = [x, y, (x + tile).min(a.width), (y + tile).min(a.height)];
-                let (left, right) = (tile_average(a, area), tile_average(b, area));
-                for channel in 0..3 {
-                    count += 1;
-                    let (l, r) = (left[channel], right[channel]);
-                    worst.see(l.z(&r).abs(), || {
-                        format!("tile from ({x}, {y}), channel {channel}: {:.5} against {:.5}", l.mean, r.mean)
-                    });
-                }
-            }
-        }
-        self.note(worst.figure(
-            technique,
-            format!("{what}: largest |z| of {count} tiles and channels"),
-            z_at(0.01, count),
-        ));
+        let LargestZ { z, place, count } = largest_z(a, b, tile);
+        let what_of_tiles = format!("{what}: largest |z| of {count} tiles and channels");
+        self.note(Figure::at_most(technique, what_of_tiles, z.abs(), z_at(0.01, count)).worst(place));
         let whole = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b).abs()).fold(0.0, f64::max);
         self.note(Figure::at_most(technique, format!("{what}: |z| of the whole image"), whole, z_at(1e-3, 3)));
     }
@@ -254,29 +238,6 @@ fn z_at(alpha: f64, count: usize) -> f64 {
 /// Pixels whose sums are not the same bits.
 pub(super) fn differing(a: &Film, b: &Film) -> f64 {
     a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count() as f64
-}
-
-/// The mean over all pixels and its variance, per channel, from the film's own variance.
-pub(super) fn average(film: &Film) -> [Estimate; 3] {
-    tile_average(film, [0, 0, film.width, film.height])
-}
-
-/// The same over the rectangle from the first two to the last two.
-pub(super) fn tile_average(film: &Film, [left, top, right, bottom]: [u32; 4]) -> [Estimate; 3] {
-    let count = f64::from(right - left) * f64::from(bottom - top);
-    let mut sums = [Estimate::default(); 3];
-    for y in top..bottom {
-        for x in left..right {
-            let pixel = (y * film.width + x) as usize;
-            let n = film.counts[pixel].max(1) as f64;
-            for (channel, total) in sums.iter_mut().enumerate() {
-                let (sum, squares) = (film.sums[pixel][channel], film.squares[pixel][channel]);
-                total.mean += sum / n / count;
-                total.variance += ((squares - sum * sum / n) / (n - 1.0).max(1.0)).max(0.0) / n / (count * count);
-            }
-        }
-    }
-    sums
 }
 
 /// The pixel that is farthest from the mean of all, for its noise.

@@ -1,33 +1,83 @@
-//! What the tests share: one device per process with validation on, and statistics that print what they found.
+//! What the tests share: devices with validation on, and statistics that print what they found.
 
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
+pub mod alone;
+pub mod clock;
 pub mod gltf;
+pub mod hostile;
+pub mod mutation;
 pub mod program;
 pub mod room;
 pub mod sampling;
+pub mod truth;
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::Error;
 use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
 use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
+pub use lumbre::metrics::tiles::{LargestZ, average, largest_z, tile_average};
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
 use lumbre::verify::{Effort, Verdict};
 
-/// Runs a test on the shared device, one test at a time, and fails it if the validation layer had anything to say.
+/// The devices that no test has at the moment, and how many there are in all.
+struct Pool {
+    free: Vec<Gpu>,
+    made: usize,
+}
+
+static POOL: Mutex<Pool> = Mutex::new(Pool { free: Vec::new(), made: 0 });
+static GIVEN_BACK: Condvar = Condvar::new();
+
+/// A device that goes back to the pool, unless the test that has it fails: nobody knows what it left behind there.
+struct Borrowed(Option<Gpu>);
+
+impl Borrowed {
+    /// Waits for a device: there are as many as cores, since a CPU device compiles on one of them, each with an instance of its own, so
+    /// that the validation layer's messages are those of one test.
+    fn take() -> Self {
+        let most = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+        while pool.free.is_empty() && pool.made >= most {
+            pool = GIVEN_BACK.wait(pool).unwrap_or_else(PoisonError::into_inner);
+        }
+        match pool.free.pop() {
+            Some(gpu) => Self(Some(gpu)),
+            None => {
+                pool.made += 1;
+                drop(pool);
+                // Counted off again by this where it cannot be opened.
+                let mut opened = Self(None);
+                opened.0 = Some(open_gpu().expect("a Vulkan device"));
+                opened
+            }
+        }
+    }
+}
+
+impl Drop for Borrowed {
+    fn drop(&mut self) {
+        let gpu = self.0.take().filter(|_| !std::thread::panicking());
+        let mut pool = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+        match gpu {
+            Some(gpu) => pool.free.push(gpu),
+            None => pool.made -= 1,
+        }
+        GIVEN_BACK.notify_one();
+    }
+}
+
+/// Runs a test on a device that it has for itself, and fails it if the validation layer had anything to say.
 pub fn with_gpu<T>(run: impl FnOnce(&Gpu) -> T) -> T {
-    static GPU: OnceLock<Mutex<Gpu>> = OnceLock::new();
-    let gpu = GPU.get_or_init(|| Mutex::new(open_gpu().expect("a Vulkan device")));
-    // A test that failed leaves the device as it was: the next one may use it.
-    let gpu = gpu.lock().unwrap_or_else(PoisonError::into_inner);
+    clock::start();
+    let borrowed = Borrowed::take();
+    let gpu = borrowed.0.as_ref().unwrap();
     let before = gpu.take_validation_messages();
     assert!(before.is_empty(), "validation messages from before this test: {before:#?}");
-    let result = run(&gpu);
+    let result = run(gpu);
     let messages = gpu.take_validation_messages();
     assert!(messages.is_empty(), "Vulkan validation: {messages:#?}");
     result
@@ -129,28 +179,6 @@ pub fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32
     (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
-/// The mean over all pixels and its variance, per channel, from the film's own variance.
-pub fn average(film: &Film) -> [Estimate; 3] {
-    tile_average(film, 0..film.width, 0..film.height)
-}
-
-/// The same over a rectangle.
-pub fn tile_average(film: &Film, columns: std::ops::Range<u32>, rows: std::ops::Range<u32>) -> [Estimate; 3] {
-    let (mean, variance) = (film.mean(), film.mean_variance());
-    let count = f64::from(columns.len() as u32) * f64::from(rows.len() as u32);
-    let mut sums = [Estimate::default(); 3];
-    for y in rows {
-        for x in columns.clone() {
-            let pixel = (y * film.width + x) as usize;
-            for (channel, sum) in sums.iter_mut().enumerate() {
-                sum.mean += f64::from(mean.pixels[pixel][channel]) / count;
-                sum.variance += f64::from(variance.pixels[pixel][channel]) / (count * count);
-            }
-        }
-    }
-    sums
-}
-
 /// Fails unless the measured mean is within 0.1 % of the expected value or three standard deviations, whichever is more.
 /// Prints both. The measurement must be able to see 1 %.
 pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
@@ -168,34 +196,10 @@ pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
 /// Compares two films of the same scene tile by tile: a z-test of each tile and channel, Sidak-corrected, and one of the
 /// whole image. Prints the largest z and the p-value it has among all tiles.
 pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
-    let (z, place, count) = largest_z(a, b, tile);
+    let LargestZ { z, place, count } = largest_z(a, b, tile);
     let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
     println!("{what}: largest z of {count} is {z:.2} at {place}; of the whole image {whole:.2?}");
     assert!(two_sided_p(z) > sidak(0.01, count), "{what}: z = {z:.2} at {place}");
     // Three channels, each at the 0.1 % level.
     assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
-}
-
-/// By how many standard deviations of both the means of a tile and channel differ at most, where that is, and among how many of these.
-pub fn largest_z(a: &Film, b: &Film, tile: u32) -> (f64, String, usize) {
-    let mut worst: (f64, String) = (0.0, String::new());
-    let mut count = 0;
-    for y in (0..a.height).step_by(tile as usize) {
-        for x in (0..a.width).step_by(tile as usize) {
-            let (columns, rows) = (x..(x + tile).min(a.width), y..(y + tile).min(a.height));
-            let (left, right) = (tile_average(a, columns.clone(), rows.clone()), tile_average(b, columns, rows));
-            for channel in 0..3 {
-                let z = left[channel].z(&right[channel]);
-                count += 1;
-                if z.abs() >= worst.0.abs() {
-                    let place = format!(
-                        "tile ({x}, {y}) channel {channel}: {:.5} against {:.5}",
-                        left[channel].mean, right[channel].mean
-                    );
-                    worst = (z, place);
-                }
-            }
-        }
-    }
-    (worst.0, worst.1, count)
 }

@@ -3,9 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+/// The program.
+pub fn lumbre() -> Command {
+    super::clock::start_child();
+    Command::new(env!("CARGO_BIN_EXE_lumbre"))
+}
+
 /// `lumbre render` of a scene of the canon in `folder`, on the tests' device.
 pub fn render(folder: &Path, scene: &str, args: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    let mut command = lumbre();
     command.arg("render").arg(super::scene_path(scene)).args(args.split_whitespace()).current_dir(folder);
     if let Ok(device) = std::env::var("LUMBRE_TEST_DEVICE") {
         command.args(["--device", &device]);

@@ -1,0 +1,51 @@
+//! Every test that needs more than one module: one program, linked once, whose tests share what they compile.
+//! `make test` runs it, and `cargo test --release --test tests NAME` a part of it.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+/// It counts what the files that tests/hostile.rs reads take.
+#[global_allocator]
+static ALLOCATOR: common::hostile::Bounded = common::hostile::Bounded;
+
+mod agreement;
+mod analytic;
+mod bench;
+mod bidirectional;
+mod bsdf;
+mod caustic;
+mod checkpoint;
+mod cli;
+mod cli_bench;
+mod error_target;
+mod faults;
+mod gltf;
+mod gltf_broken;
+mod hostile;
+mod killed;
+mod layout;
+mod lecture;
+mod light_tree;
+mod lights;
+mod memory;
+mod merging;
+mod metrics;
+mod metropolis;
+mod mip_maps;
+#[cfg(unix)]
+mod peer;
+mod radiosity;
+mod rays;
+mod recursion;
+mod references;
+mod report;
+mod robustness;
+mod sampling;
+mod scenes;
+mod soak;
+mod spirv;
+mod strategies;
+mod traversal;
+mod verify;
+mod whitted;
