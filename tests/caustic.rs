@@ -99,10 +99,10 @@ fn a_ring_throws_a_nephroid() {
     assert!((cusp(&expected_at) - 0.5).abs() < pixel, "the prediction's own cusp is at {}", cusp(&expected_at));
     // Photons and merges blur the curve: they are left a wider berth where it is sharp, none in the mean.
     for (technique, spp, tolerance) in [
-        ("light", 1024, 0.015),
-        ("bdpt", 512, 0.015),
-        ("photon:radius=0.004", 768, 0.05),
-        ("vcm:radius=0.004", 256, 0.05),
+        ("light", 2048, 0.015),
+        ("bdpt", 1024, 0.015),
+        ("photon:radius=0.004", 1024, 0.05),
+        ("vcm:radius=0.004", 512, 0.05),
     ] {
         with_gpu(|gpu| {
             // What mirrors do is no matter of how rays are met; one technique shows that they are.
