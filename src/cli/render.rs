@@ -174,7 +174,7 @@ fn parse_sampler(text: &str) -> Result<Sampler, String> {
 }
 
 /// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.
-const QUICK_SAMPLES: u64 = 1 << 18;
+const QUICK_SAMPLES: u64 = 1 << 17;
 
 /// Pixel samples that the rendering will come to: none where it is over at once, no end of them where that is not known.
 fn expected_samples(args: &RenderArgs, scene: &Scene) -> u64 {

@@ -1,7 +1,7 @@
 //! What Mesa's CPU driver (llvmpipe) is told before it is loaded, by environment variables; no other driver reads them.
 
-/// Has the driver compile kernels without LLVM's optimisations. It takes half as long to start, the bits stay, and kernels run a fifth
-/// slower (docs/building.md): right for a rendering of few samples. A value that the user has set stays. To be called before the first
+/// Has the driver compile kernels without LLVM's optimisations. It takes about half as long to start, the bits stay, and kernels take 1.2 to 2
+/// times as long for each sample (docs/building.md): right for a rendering of few samples. A value that the user has set stays. To be called before the first
 /// [`super::Instance`] is made: the driver asks once.
 pub fn compile_quickly() {
     const PERFORMANCE: &str = "GALLIVM_PERF";
