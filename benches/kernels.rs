@@ -20,7 +20,7 @@ const HEAVY: [(&str, &[&str]); 7] = [
     ("traversal", &["traverse", "proceed"]),
     ("`bsdf_eval`", &["bsdf_eval"]),
     ("`bsdf_pdf`", &["bsdf_pdf"]),
-    ("`bsdf_sample`", &["bsdf_sample"]),
+    ("`bsdf_choose`", &["bsdf_choose"]),
     ("`light_sample`", &["light_sample"]),
     ("texels", &["load_texel"]),
     ("vertex", &["interaction_at"]),
