@@ -43,26 +43,26 @@ pub fn modules_fingerprint() -> u64 {
 
 /// What a pipeline is made of: a module, the values of its specialisation constants, and who works these in.
 #[derive(Clone, Debug)]
-pub struct Kernel<'a> {
+pub struct Kernel {
     /// The module's name.
-    pub module: &'a str,
+    pub module: String,
     /// Pairs of a `constant_id` and its 32 bits.
-    pub constants: &'a [(u32, u32)],
+    pub constants: Vec<(u32, u32)>,
     /// Leave the constants to the driver rather than to [`spirv::specialise`]: the same bits, for comparison.
     pub driver_specialises: bool,
     /// How the driver may treat arithmetic, where the constants are not left to it.
     pub arithmetic: Arithmetic,
 }
 
-impl Kernel<'_> {
+impl Kernel {
     fn specialised(&self, whole: &[u32]) -> Result<Specialised> {
-        spirv::specialise(whole, self.constants, self.arithmetic)
+        spirv::specialise(whole, &self.constants, self.arithmetic)
             .map_err(|error| Error::Vulkan { doing: format!("specialise the shader {}", self.module), code: error })
     }
 
     /// Instructions that the constants leave of the module, and all that it has.
     pub fn size(&self) -> Result<(usize, usize)> {
-        let made = self.specialised(&module(self.module)?)?;
+        let made = self.specialised(&module(&self.module)?)?;
         Ok((made.after, made.before))
     }
 }
@@ -97,11 +97,11 @@ impl Pipeline {
     /// Makes a pipeline.
     pub fn new(gpu: &Gpu, kernel: &Kernel, has_tlas: bool) -> Result<Self> {
         let device = &gpu.shared.raw;
-        let name = kernel.module;
+        let name = kernel.module.as_str();
         let whole = module(name)?;
         let made = kernel.specialised(&whole)?;
         let (words, left_to_driver, left) = match kernel.driver_specialises {
-            true => (whole, kernel.constants, made.before),
+            true => (whole, &kernel.constants[..], made.before),
             false => (made.words, &[][..], made.after),
         };
         let bindings: Vec<_> = binding_kinds(has_tlas)

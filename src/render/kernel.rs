@@ -10,7 +10,6 @@ use crate::integrator::Pass;
 use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
 use crate::sampler::Sampler;
 use crate::scene::Scene;
-use crate::spirv::Arithmetic;
 
 /// A pipeline, specialised to a scene, and the scene on the device.
 pub(super) struct Kernel {
@@ -18,28 +17,20 @@ pub(super) struct Kernel {
     pub bindings: Bindings,
     pub scene: Arc<Uploaded>,
     /// What the pipeline was made of.
-    module: String,
-    constants: Constants,
-    driver_specialises: bool,
-    arithmetic: Arithmetic,
+    made_of: gpu::Kernel,
 }
 
 impl Kernel {
     /// Makes a pipeline of the module `name` for a scene that is on the device. The caller has checked the settings.
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, uploaded: Arc<Uploaded>) -> Result<Self> {
-        let constants = constants(scene, settings, gpu.survey().kind, uploaded.stack_size, &uploaded.inline)?;
-        let (driver_specialises, arithmetic) = (settings.driver_specialises, settings.arithmetic);
-        let kernel = gpu::Kernel { module: name, constants: &constants, driver_specialises, arithmetic };
-        let (pipeline, bindings) = Self::make(gpu, &kernel, &uploaded)?;
-        Ok(Self {
-            pipeline,
-            bindings,
-            scene: uploaded,
+        let made_of = gpu::Kernel {
             module: name.to_owned(),
-            constants,
-            driver_specialises,
-            arithmetic,
-        })
+            constants: constants(scene, settings, gpu.survey().kind, uploaded.stack_size, &uploaded.inline)?,
+            driver_specialises: settings.driver_specialises,
+            arithmetic: settings.arithmetic,
+        };
+        let (pipeline, bindings) = Self::make(gpu, &made_of, &uploaded)?;
+        Ok(Self { pipeline, bindings, scene: uploaded, made_of })
     }
 
     /// The same for several modules, in their order: as many at once as there are cores, for a driver works on each with one.
@@ -62,20 +53,14 @@ impl Kernel {
 
     /// Makes the same pipeline once more, beside the old one, which goes then: its code comes to lie elsewhere.
     pub fn remake(&mut self, gpu: &Gpu) -> Result<()> {
-        let kernel = gpu::Kernel {
-            module: &self.module,
-            constants: &self.constants,
-            driver_specialises: self.driver_specialises,
-            arithmetic: self.arithmetic,
-        };
-        (self.pipeline, self.bindings) = Self::make(gpu, &kernel, &self.scene)?;
+        (self.pipeline, self.bindings) = Self::make(gpu, &self.made_of, &self.scene)?;
         Ok(())
     }
 
     /// The module's name, its instructions, and those that are left of them.
     pub fn size(&self) -> KernelSize {
         let (whole, left) = self.pipeline.instructions;
-        KernelSize { module: self.module.clone(), instructions: left, of: whole }
+        KernelSize { module: self.made_of.module.clone(), instructions: left, of: whole }
     }
 }
 
@@ -146,14 +131,10 @@ pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Res
 pub fn kernel_sizes(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<Vec<KernelSize>> {
     let (modules, constants) = modules_of(scene, settings, device)?;
     let size = |module: String| {
-        let (instructions, of) = gpu::Kernel {
-            module: &module,
-            constants: &constants,
-            driver_specialises: false,
-            arithmetic: Arithmetic::Free,
-        }
-        .size()?;
-        Ok(KernelSize { module, instructions, of })
+        let (driver_specialises, arithmetic) = (settings.driver_specialises, settings.arithmetic);
+        let kernel = gpu::Kernel { module, constants: constants.clone(), driver_specialises, arithmetic };
+        let (instructions, of) = kernel.size()?;
+        Ok(KernelSize { module: kernel.module, instructions, of })
     };
     modules.into_iter().map(size).collect()
 }

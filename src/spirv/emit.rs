@@ -122,9 +122,9 @@ impl Writer<'_, '_> {
         let is_live = |id: u32| self.live.instructions[self.found.definition[id as usize] as usize];
         match instruction.op {
             op::DECORATE | op::MEMBER_DECORATE | op::TYPE_FORWARD_POINTER => {
-                if is_live(operands[0]) && operands.get(1) != Some(&super::SPEC_ID)
-                    || is_live(operands[0]) && instruction.op != op::DECORATE
-                {
+                // A constant that is not to be chosen any more has no `constant_id`.
+                let is_choice = instruction.op == op::DECORATE && operands.get(1) == Some(&super::SPEC_ID);
+                if is_live(operands[0]) && !is_choice {
                     self.copy(instruction);
                 }
             }
