@@ -12,25 +12,19 @@ vec3 next_event(Path path, Vertex v, Bsdf b, vec3 carried, vec4 u, inout BsdfSam
         light = light_sample(vertex_receiver(v, b), u);
         wi = vertex_to_local(v, light.wi);
     }
-    if (!HAS_OPEN_SAMPLES && aims) {
-        f = bsdf_eval(b, v.wo, wi);
-        pdf_w = bsdf_pdf(b, v.wo, wi);
-    }
-    if (HAS_OPEN_SAMPLES) {
-        for (uint turn = 0u; turn < turns(2u); turn++) {
-            bool onwards = turn > 0u;
-            if (!(onwards ? s.open : aims)) continue;
-            vec3 w = onwards ? s.wi : wi;
-            vec3 value = bsdf_eval(b, v.wo, w);
-            float found = bsdf_pdf(b, v.wo, w);
-            if (onwards) {
-                s.weight = found > 0.0 ? value / found : vec3(0.0);
-                s.pdf_w = found;
-                s.open = false;
-            } else {
-                f = value;
-                pdf_w = found;
-            }
+    for (uint turn = 0u; turn < (HAS_OPEN_SAMPLES ? turns(2u) : 1u); turn++) {
+        bool onwards = HAS_OPEN_SAMPLES && turn > 0u;
+        if (!(onwards ? s.open : aims)) continue;
+        vec3 w = onwards ? s.wi : wi;
+        vec3 value = bsdf_eval(b, v.wo, w);
+        float found = bsdf_pdf(b, v.wo, w);
+        if (onwards) {
+            s.weight = found > 0.0 ? value / found : vec3(0.0);
+            s.pdf_w = found;
+            s.open = false;
+        } else {
+            f = value;
+            pdf_w = found;
         }
     }
     vertex_check(v, path.ray, s);
