@@ -114,6 +114,19 @@ pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
     Ok(Some(Image { width: size.width() as u32, height: size.height() as u32, pixels }))
 }
 
+/// A text in the header of an EXR file. Nothing where it has none of that name, or in another format.
+pub fn read_attribute(path: &Path, name: &str) -> Result<Option<String>> {
+    if format_of(path)? != Format::Exr {
+        return Ok(None);
+    }
+    let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
+    let found = meta.headers.iter().flat_map(|header| &header.own_attributes.other).find(|(own, _)| **own == *name);
+    Ok(found.and_then(|(_, value)| match value {
+        exr::meta::attribute::AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    }))
+}
+
 fn read_png(path: &Path) -> Result<Image> {
     let image = image::ImageReader::open(path)
         .map_err(|error| Error::read(path, error))?

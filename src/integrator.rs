@@ -70,6 +70,26 @@ impl Missing {
     }
 }
 
+/// Light that a technique finds, but only where a direction or a connection that was not aimed at it meets it by chance. Its samples are
+/// rare and bright then, and a variance that is estimated before there were some says nothing of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chance {
+    /// What small lights become by way of mirrors and smooth glass.
+    Caustics,
+    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    HiddenCaustics,
+}
+
+impl Chance {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Caustics => "caustics of small lights",
+            Self::HiddenCaustics => "caustics of small lights that the camera sees by way of mirrors and smooth glass",
+        }
+    }
+}
+
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
@@ -163,6 +183,11 @@ pub struct Integrator {
     pub kept: Kept,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
+    /// What it finds only by chance in scenes that have it.
+    pub by_chance: &'static [Chance],
+    /// Whether it may make and check references: its samples are independent, and no other row finds the same light in the same way and
+    /// sooner.
+    pub referee: bool,
     /// The light that it is a good choice for.
     pub good_at: &'static str,
     /// The light that another technique is better for, and what it costs.
@@ -237,6 +262,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        by_chance: &[],
+        referee: true,
         good_at: "soft shadows, and to see each way of sampling them by itself",
         bad_at: "rooms: nothing in it has bounced twice",
         measured: "47 % of the light that surfaces show the camera in `cornell`, 30 % in `door_ajar`",
@@ -259,6 +286,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[],
+        by_chance: &[],
+        referee: true,
         good_at: "mirrors and clear glass under direct light: one sample follows all branches",
         bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
         measured: "0.74 of the relMSE of one branch by chance on the glass of `cornell_spheres`, at equal rays",
@@ -298,6 +327,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaLights],
+        by_chance: &[Chance::Caustics],
+        referee: false,
         good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
         bad_at: "small lamps, which chance seldom finds",
         measured: "1/41 of `path` in `cornell`, 1/65 on `veach_mis`",
@@ -330,6 +361,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        by_chance: &[Chance::Caustics],
+        referee: true,
         good_at: "most scenes: wherever the camera's paths can aim at the light",
         bad_at: "caustics, and lamps hidden in their fittings",
         measured: "41 times `path-implicit` in `cornell`; 1/182 of `photon` in `torus_in_glass`, 1/70 of `bdpt` in \
@@ -347,6 +380,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Nothing,
         misses: &[Missing::DeltaCaustics],
+        by_chance: &[Chance::Caustics],
+        referee: false,
         good_at: "reading the rendering equation in the code",
         bad_at: "speed: what its calls wait for is kept in memory",
         measured: "0.55 of the samples per second of `path` in `cornell` on an H200",
@@ -370,6 +405,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Nothing,
         misses: &[Missing::Unshowable],
+        by_chance: &[],
+        referee: true,
         good_at: "caustics on matte surfaces, which the camera sees directly",
         bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
         measured: "61 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
@@ -387,6 +424,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Paths,
         misses: &[Missing::HiddenDeltaCaustics],
+        by_chance: &[Chance::HiddenCaustics],
+        referee: true,
         good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
         bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
         measured: "70 times `path` in `bidirectional_room`, 96 in `caustic_small_light`; 0.52 in `cornell`, 1.0 in \
@@ -412,6 +451,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
         misses: &[],
+        by_chance: &[],
+        referee: true,
         good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
         bad_at: "light that is easy to aim at: its samples take the longest",
         measured: "123 times `path` in `ring_caustic`, 110 in `reflected_caustic`, 1.8 in `small_vcm`; 0.23 in `cornell`",
@@ -440,6 +481,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
         misses: &[],
+        by_chance: &[],
+        referee: true,
         good_at: "caustics, also as mirrors and glass show them",
         bad_at: "glossy surfaces, and light that is easy to aim at",
         measured: "182 times `path` in `torus_in_glass`, 163 in `reflected_caustic`; 0.11 in `cornell`, 0.36 in `small_vcm`",
@@ -471,6 +514,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Chains,
         misses: &[],
+        by_chance: &[Chance::HiddenCaustics],
+        referee: false,
         good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
         bad_at: "light that is easy to aim at, where visits to the same paths say little that is new; light that only chance finds",
         measured: "`multiplexed` 21 times `path` in `bidirectional_room`, where `bdpt` has 80 times, and 0.028 in `cornell`; \
@@ -541,6 +586,8 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Patches,
         misses: &[],
+        by_chance: &[],
+        referee: true,
         good_at: "rooms that are diffuse: all of their light from any side, without noise once it is solved",
         bad_at: "sharp shadows, which patches blur, and all that is not diffuse, which it treats as if it were",
         measured: "2.0 times `path` in `cornell` within its first 1.7 s, with an error that stays: relMSE 1.3e-4",

@@ -51,6 +51,7 @@ pub mod lecture;
 pub mod metrics;
 pub mod output;
 pub mod rays;
+pub mod reference;
 pub mod render;
 pub mod report;
 pub mod sampler;

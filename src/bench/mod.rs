@@ -6,7 +6,6 @@
 pub mod against;
 mod measure;
 pub mod peer;
-pub mod reference;
 pub mod results;
 mod rows;
 pub mod run;
@@ -14,7 +13,7 @@ pub mod stats;
 pub mod subject;
 mod summary;
 
-pub use measure::Truth;
+pub use crate::reference::Truth;
 pub use peer::{Peer, SceneRequest};
 pub use run::{Bench, Limits, Variant};
 pub use subject::{Lumbre, Snapshot, Stop, Subject};

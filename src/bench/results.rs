@@ -1,4 +1,4 @@
-//! What a bench found, as `results.json` holds it: schema `lumbre-bench-1`, documented in `docs/bench.md`.
+//! What a bench found, as `results.json` holds it: schema `lumbre-bench-2`, documented in `docs/bench.md`.
 //!
 //! Images are files beside it, named relative to the folder. Every figure that is a mean over seeds comes with its interval.
 
@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::stats::Interval;
 use crate::error::{Error, Result};
+use crate::reference::Certificate;
 
 /// The name and version of the schema.
-pub const SCHEMA: &str = "lumbre-bench-1";
+pub const SCHEMA: &str = "lumbre-bench-2";
 
 /// A whole bench.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -94,6 +95,14 @@ pub struct Reference {
     pub spp: Option<u64>,
     /// Its own noise as a relMSE, which has been taken off all errors; nothing where the file does not say its variance.
     pub relmse: Option<f64>,
+    /// Seconds that making or checking it took in this bench; 0 where it was there.
+    pub seconds: f64,
+    /// What is known of it; nothing of a file that says nothing and was not checked.
+    pub certificate: Option<Certificate>,
+    /// Where it differs from its witness, in deviations: red where the witness is brighter, a PNG file.
+    pub difference_map: Option<String>,
+    /// Why figures against it are not to be trusted, in one sentence; nothing where it was confirmed.
+    pub doubt: Option<String>,
 }
 
 /// One variant: a technique, a backend and options.
@@ -121,6 +130,13 @@ pub struct VariantResults {
     pub curve: Vec<CurvePoint>,
     /// 1 / (relMSE x seconds) at the end of each run.
     pub efficiency: Interval,
+    /// The same with the relMSE of all but the worst thousandth of the pixels.
+    pub trimmed_efficiency: Interval,
+    /// The same with the median of the pixels' squared relative errors.
+    pub median_efficiency: Interval,
+    /// Share of the relMSE that the worst thousandth of the pixels makes at the end of a run, the most of all runs: above
+    /// [`HEAVY_TAIL`], few bright samples decide it.
+    pub worst_share: f64,
     /// Slope of log relMSE over log seconds: -1 for plain Monte Carlo.
     pub slope: Interval,
     /// relMSE that more samples do not take away.
@@ -160,6 +176,10 @@ pub struct CurvePoint {
     pub device_seconds: Option<Interval>,
     /// relMSE.
     pub relmse: Interval,
+    /// relMSE without the worst thousandth of the pixels.
+    pub trimmed_relmse: Interval,
+    /// Median of the pixels' squared relative errors.
+    pub median_relmse: Interval,
     /// MSE.
     pub mse: Interval,
     /// MAPE.
@@ -207,6 +227,12 @@ pub struct Point {
     pub mse: f64,
     /// Mean of (a - b)² / (b² + 0.01).
     pub relmse: f64,
+    /// The same without the worst thousandth of the pixels.
+    pub trimmed_relmse: f64,
+    /// Median over the pixels of what it is the mean of.
+    pub median_relmse: f64,
+    /// Share of the relMSE that the worst thousandth of the pixels makes.
+    pub worst_share: f64,
     /// Mean of |a - b| / (|b| + 0.01).
     pub mape: f64,
     /// Mean of FLIP.
@@ -225,13 +251,43 @@ pub struct Pair {
     pub variant: String,
     /// The one that it is compared with.
     pub against: String,
-    /// Its efficiency over the other's.
-    pub efficiency_ratio: Interval,
+    /// Its efficiency over the other's, by relMSE.
+    pub efficiency: Ratio,
+    /// The same by the relMSE without the worst thousandth of the pixels.
+    pub trimmed: Ratio,
+    /// The same by the median of the pixels' squared relative errors.
+    pub median: Ratio,
     /// Its samples per second over the other's.
     pub speed_ratio: Interval,
-    /// Whether the efficiencies differ, at the 1 % level of a paired t-test of their logarithms.
+    /// The figure whose test fits the tails: relMSE, or the trimmed one where few pixels decide that of either variant.
+    pub decided_by: Figure,
+    /// Whether the efficiencies differ by that figure.
     pub significant: bool,
 }
+
+/// A ratio of efficiencies with its test.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Ratio {
+    /// The ratio, a geometric mean over the seeds.
+    pub ratio: Interval,
+    /// Whether it differs from 1 at the 1 % level of a paired t-test of its logarithms.
+    pub significant: bool,
+}
+
+/// A figure of error that efficiencies can be made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Figure {
+    /// relMSE.
+    Relmse,
+    /// relMSE without the worst thousandth of the pixels.
+    Trimmed,
+    /// Median of the pixels' squared relative errors.
+    Median,
+}
+
+/// The share of the relMSE from which on a thousandth of the pixels decides it.
+pub const HEAVY_TAIL: f64 = 0.3;
 
 /// Images of all variants side by side.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -286,7 +342,21 @@ const LEAST_SECONDS: f64 = 1e-9;
 impl Point {
     /// 1 / (relMSE x seconds).
     pub fn efficiency(&self) -> f64 {
-        1.0 / (self.relmse.max(LEAST_ERROR) * self.seconds.max(LEAST_SECONDS))
+        self.efficiency_by(Figure::Relmse)
+    }
+
+    /// 1 / (error x seconds), by one figure of error.
+    pub fn efficiency_by(&self, figure: Figure) -> f64 {
+        1.0 / (self.error(figure).max(LEAST_ERROR) * self.seconds.max(LEAST_SECONDS))
+    }
+
+    /// That figure of error.
+    pub fn error(&self, figure: Figure) -> f64 {
+        match figure {
+            Figure::Relmse => self.relmse,
+            Figure::Trimmed => self.trimmed_relmse,
+            Figure::Median => self.median_relmse,
+        }
     }
 
     /// So many of something, per second of rendering.

@@ -1,6 +1,5 @@
 //! Rows of images: all variants after the same time, or at the same number of samples.
 
-use super::measure::Truth;
 use super::results::{Cell, Point, Row, Run};
 use super::run::{Bench, Variant};
 use super::subject::Stop;
@@ -8,6 +7,7 @@ use crate::error::Result;
 use crate::film::Image;
 use crate::metrics::{heat_map, heat_scale};
 use crate::output::{Picture, write_picture};
+use crate::reference::Truth;
 
 /// A crop is this part of the image's width and height ...
 const CROP: u32 = 4;

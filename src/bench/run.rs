@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::measure::Truth;
 use super::results::Run;
 use super::subject::{Snapshot, Stop, Subject};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::output::{Picture, replace_file, write_picture};
+use crate::reference::Truth;
 
 /// Samples of the run that warms a variant up and is not measured.
 const WARM_UP: u32 = 1;

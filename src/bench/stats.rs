@@ -83,6 +83,12 @@ pub fn student_quantile(p: f64, freedom: u32) -> f64 {
     0.5 * (low + high)
 }
 
+/// Probability that a t-distributed variable is at least as far from 0 as `t`.
+pub fn student_two_sided(t: f64, freedom: u32) -> f64 {
+    // The series below has as many terms as there are degrees of freedom, and the normal distribution is theirs without end.
+    if freedom > 400 { crate::metrics::stats::two_sided_p(t) } else { 2.0 * (1.0 - student_below(t.abs(), freedom)) }
+}
+
 /// Probability that a t-distributed variable lies below t >= 0.
 fn student_below(t: f64, freedom: u32) -> f64 {
     let n = f64::from(freedom);
@@ -200,6 +206,16 @@ mod tests {
             assert!((found - t).abs() < 6e-4, "t({p}, {freedom}) is {t}, not {found}");
             assert!((student_quantile(1.0 - p, freedom) + found).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn two_sided_probabilities_of_student() {
+        for (p, freedom) in [(0.05, 1), (0.01, 4), (1e-5, 15), (1e-6, 30)] {
+            let found = student_two_sided(-student_quantile(1.0 - 0.5 * p, freedom), freedom);
+            assert!((found / p - 1.0).abs() < 1e-3, "{p}, {freedom}: {found}");
+        }
+        // Where the normal distribution takes over.
+        assert!((student_two_sided(4.0, 401) / student_two_sided(4.0, 400) - 1.0).abs() < 0.15);
     }
 
     #[test]

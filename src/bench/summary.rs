@@ -1,6 +1,8 @@
 //! From runs to figures: means over seeds with their intervals.
 
-use super::results::{CurvePoint, Floor, LEAST_ERROR, Pair, Point, Row, Run, VariantResults};
+use super::results::{
+    CurvePoint, Figure, Floor, HEAVY_TAIL, LEAST_ERROR, Pair, Point, Ratio, Row, Run, VariantResults,
+};
 use super::run::{Bench, Event, Variant};
 use super::stats::{Interval, SIGNIFICANCE, log_slope, squared_bias};
 use crate::error::Result;
@@ -32,7 +34,7 @@ impl Bench<'_> {
             let floor = Floor {
                 relmse: bias.relative,
                 deviation: bias.deviation,
-                flagged: images.len() > 1 && bias.relative > FLOOR_DEVIATIONS * bias.deviation,
+                flagged: images.len() > 1 && bias.relative > FLOOR_DEVIATIONS * bias.deviation + self.truth.bias(),
             };
             let pixels = self.truth.image.pixels.len() as f64;
             all.push(figures(variant, runs, floor, pixels, self.truth.deviations()));
@@ -69,6 +71,9 @@ fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [
         device_bytes: subject.device_bytes(),
         curve: curve(runs, shared),
         efficiency: Interval::geometric(&over(&Point::efficiency)),
+        trimmed_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Trimmed))),
+        median_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Median))),
+        worst_share: last.iter().map(|point| point.worst_share).fold(0.0, f64::max),
         slope: Interval::of(&slopes),
         floor,
         energy_ratio: Interval::of(&over(&|point| point.energy_ratio)),
@@ -108,6 +113,8 @@ fn mean_point(points: &[&Point], [of_mse, of_relmse]: [f64; 2]) -> CurvePoint {
         seconds: over(|point| point.seconds),
         device_seconds: device.map(|values| Interval::of(&values)),
         relmse: over(|point| point.relmse).widened(of_relmse),
+        trimmed_relmse: over(|point| point.trimmed_relmse),
+        median_relmse: over(|point| point.median_relmse),
         mse: over(|point| point.mse).widened(of_mse),
         mape: over(|point| point.mape),
         flip: over(|point| point.flip),
@@ -120,13 +127,27 @@ fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
         let both = last_points(&variant.runs).into_iter().zip(last_points(&against.runs));
         both.map(|(a, b)| value(a) / value(b)).collect()
     };
-    let efficiencies = ratios(&Point::efficiency);
-    let strict = Interval::geometric_with(&efficiencies, 1.0 - SIGNIFICANCE);
+    let by = |figure: Figure| Ratio::of(&ratios(&|point| point.efficiency_by(figure)));
+    let (efficiency, trimmed, median) = (by(Figure::Relmse), by(Figure::Trimmed), by(Figure::Median));
+    let is_heavy = variant.worst_share.max(against.worst_share) > HEAVY_TAIL;
+    let (decided_by, significant) =
+        if is_heavy { (Figure::Trimmed, trimmed.significant) } else { (Figure::Relmse, efficiency.significant) };
     Pair {
         variant: variant.name.clone(),
         against: against.name.clone(),
-        efficiency_ratio: Interval::geometric(&efficiencies),
+        efficiency,
+        trimmed,
+        median,
         speed_ratio: Interval::geometric(&ratios(&|point| point.per_second(point.spp as f64))),
-        significant: efficiencies.len() > 1 && !strict.contains(1.0),
+        decided_by,
+        significant,
+    }
+}
+
+impl Ratio {
+    /// Of ratios that were measured seed by seed.
+    fn of(ratios: &[f64]) -> Self {
+        let strict = Interval::geometric_with(ratios, 1.0 - SIGNIFICANCE);
+        Self { ratio: Interval::geometric(ratios), significant: ratios.len() > 1 && !strict.contains(1.0) }
     }
 }

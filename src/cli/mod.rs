@@ -7,6 +7,7 @@ mod info;
 mod lecture;
 mod list;
 mod rays;
+mod reference;
 mod render;
 mod verify;
 
@@ -39,6 +40,8 @@ enum Command {
     Lecture(lecture::LectureArgs),
     /// Compare an image with a reference
     Compare(compare::CompareArgs),
+    /// Make an image that stands for the truth, with a certificate; or check one
+    Reference(reference::ReferenceArgs),
     /// Measure raw ray throughput: primary, shadow and diffuse-bounce rays
     Rays(rays::RaysArgs),
     /// Hold this device against the accuracy suite
@@ -165,6 +168,7 @@ pub fn main() -> u8 {
         Command::Bench(args) => bench::run(&args),
         Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Reference(args) => reference::run(&args),
         Command::Rays(args) => rays::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),

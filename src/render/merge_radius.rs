@@ -8,9 +8,28 @@ use std::cell::Cell;
 use super::settings::Technique;
 use crate::scene::Scene;
 
+/// Where the samples of one rendering stand among those of several that are to have one mean: sample `k` gets the radius of sample
+/// `first + k * stride`, times `scale`. So many renderings together shrink it as one long one would.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MergeSchedule {
+    /// The sample that the rendering's first one stands for.
+    pub first: u32,
+    /// Samples from one to the next.
+    pub stride: u32,
+    /// Factor on the radius.
+    pub scale: f32,
+}
+
+impl MergeSchedule {
+    /// Of a rendering that stands alone.
+    pub const ALONE: Self = Self { first: 0, stride: 1, scale: 1.0 };
+}
+
 /// The radius of each sample.
 #[derive(Clone, Debug)]
 pub(super) struct MergeRadius {
+    /// Which of them a rendering's samples get.
+    pub schedule: MergeSchedule,
     /// Of the first one; 0 where the technique has no such thing.
     first: f64,
     alpha: f64,
@@ -31,7 +50,7 @@ impl MergeRadius {
     }
 
     fn new(first: f64, alpha: f64) -> Self {
-        Self { first, alpha, known: Cell::new((0, 1.0)) }
+        Self { schedule: MergeSchedule::ALONE, first, alpha, known: Cell::new((0, 1.0)) }
     }
 
     /// Of the sample with this index: of that alone, so that it does not matter how a rendering is cut into frames.
@@ -39,6 +58,8 @@ impl MergeRadius {
         if self.first == 0.0 {
             return 0.0; // most techniques: nothing to multiply up, frame after frame
         }
+        let MergeSchedule { first, stride, scale } = self.schedule;
+        let sample = first.saturating_add(sample.saturating_mul(stride));
         let (mut from, mut factor) = self.known.get();
         if from > sample {
             (from, factor) = (0, 1.0);
@@ -47,7 +68,7 @@ impl MergeRadius {
             factor *= (k + self.alpha) / (k + 1.0);
         }
         self.known.set((sample, factor));
-        (self.first * factor.sqrt()) as f32
+        (self.first * factor.sqrt()) as f32 * scale
     }
 }
 
@@ -66,6 +87,18 @@ mod tests {
         assert!((squared * 100.0 * gamma_of_three_halves - 1.0).abs() < 1e-4, "{squared}");
         // Whatever was asked for before.
         assert_eq!(radius.at(7), MergeRadius::new(2.0, 0.5).at(7));
+    }
+
+    #[test]
+    fn renderings_in_turn_have_the_radii_of_one() {
+        let alone = MergeRadius::new(2.0, 0.5);
+        for turn in 0..3 {
+            let mut part = MergeRadius::new(2.0, 0.5);
+            part.schedule = MergeSchedule { first: turn, stride: 3, scale: 0.5 };
+            for k in 0..5 {
+                assert_eq!(part.at(k), 0.5 * alone.at(3 * k + turn));
+            }
+        }
     }
 
     #[test]

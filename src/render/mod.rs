@@ -44,6 +44,7 @@ use kernel::Kernel;
 pub use kernel::{Constants, KernelSize, kernel_sizes, modules_of};
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 use merge_radius::MergeRadius;
+pub use merge_radius::MergeSchedule;
 use radiosity::Radiosity;
 use scratch::Scratch;
 pub use state::State;
@@ -211,6 +212,11 @@ impl Renderer {
         (self.rays, self.nonfinite) = (0, 0);
         self.bad_samples.clear();
         Ok(())
+    }
+
+    /// Says where the samples stand among those of several renderings, for techniques whose blur shrinks with them.
+    pub fn set_merge_schedule(&mut self, schedule: MergeSchedule) {
+        self.merge_radius.schedule = schedule;
     }
 
     /// Bounds the pixel samples of each stage of a frame, whatever the device's speed would allow: frames are cut where it says, and

@@ -98,6 +98,13 @@ impl Technique {
         (!all.is_empty()).then(|| all.join(", and "))
     }
 
+    /// What the technique finds only by chance in this scene, in words; nothing where it aims at all there is.
+    pub fn finds_by_chance(&self, scene: &Scene) -> Option<String> {
+        let is_hard = scene.has_smooth() && scene.has_small_lights();
+        let all: Vec<&str> = self.row.by_chance.iter().map(|chance| chance.what()).collect();
+        (is_hard && !all.is_empty()).then(|| all.join(", and "))
+    }
+
     /// The materials of this scene that the technique takes for diffuse ones, though they are not; nothing where there are none.
     pub fn simplifies(&self, scene: &Scene) -> Option<String> {
         let others = if self.row.solves == Solves::Diffuse { scene.not_diffuse() } else { Vec::new() };

@@ -61,13 +61,13 @@ pub fn verdict(scene: &SceneResults) -> String {
     let name = format!("Most efficient: <strong>{}</strong>{caveat}", escape(&best.name));
     let doubt = |pair: &Pair| if pair.significant { "" } else { " (the difference is not significant)" };
     if let Some(pair) = pair_of(scene, &best.name) {
-        let ratio = number::interval_line(&pair.efficiency_ratio);
+        let ratio = number::interval_line(&pair.efficiency.ratio);
         return format!("{name}; {ratio} times {}{}.", escape(&pair.against), doubt(pair));
     }
     let next = sorted.get(1).and_then(|(_, next)| pair_of(scene, &next.name)).filter(|pair| pair.against == best.name);
     match next {
         Some(pair) => {
-            let ratio = number::interval_line(&pair.efficiency_ratio);
+            let ratio = number::interval_line(&pair.efficiency.ratio);
             format!("{name}; next comes {} with {ratio} of its efficiency{}.", escape(&pair.variant), doubt(pair))
         }
         None => format!("{name}."),
@@ -162,9 +162,9 @@ fn set_up(Setup { load, build, compile }: &Setup) -> String {
 fn ratio(scene: &SceneResults, variant: &VariantResults) -> String {
     match pair_of(scene, &variant.name) {
         Some(pair) if pair.significant => {
-            format!("{} <small class=\"mark sure\">significant</small>", interval(&pair.efficiency_ratio))
+            format!("{} <small class=\"mark sure\">significant</small>", interval(&pair.efficiency.ratio))
         }
-        Some(pair) => format!("{} <small class=\"mark\">not significant</small>", interval(&pair.efficiency_ratio)),
+        Some(pair) => format!("{} <small class=\"mark\">not significant</small>", interval(&pair.efficiency.ratio)),
         None if scene.variants.first().is_some_and(|first| first.name == variant.name) => {
             String::from("1 <small class=\"mark\">the first</small>")
         }

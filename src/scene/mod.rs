@@ -52,10 +52,14 @@ pub use needs::Needs;
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::layout::{
-    AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPOT, Layered,
-    Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_PLASTIC, MATERIAL_THIN_DIELECTRIC, Material,
-    MaterialTextures, Plastic, Primitive, Principled, SURFACE_MASK, Surface, Texture,
+    AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE,
+    LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_PLASTIC,
+    MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
+    Texture,
 };
+
+/// All area lights together are small where their area, beside the square of the scene's radius, is below this.
+const SMALL: f32 = 0.2;
 
 /// A scene, ready to be uploaded.
 #[derive(Clone, Debug)]
@@ -220,6 +224,22 @@ impl Scene {
     pub fn has_delta_lights(&self) -> bool {
         let delta = [LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROJECTOR];
         self.lights.iter().any(|light| delta.contains(&light.kind))
+    }
+
+    /// Whether light comes from where few directions lead to: from points, from surfaces that are small beside the scene, or from a
+    /// background with an image, as that may show a sun.
+    pub fn has_small_lights(&self) -> bool {
+        let area = |light: &Light| {
+            let [a, b, c] = [light.position, light.v1, light.v2].map(Vec3::from);
+            match light.kind {
+                LIGHT_TRIANGLE => 0.5 * (b - a).cross(c - a).length(),
+                LIGHT_SPHERE => std::f32::consts::PI * light.v1[0] * light.v1[0],
+                _ => 0.0,
+            }
+        };
+        let lit: f32 = self.lights.iter().map(area).sum();
+        let few = !self.lights.is_empty() && lit < SMALL * self.core().1.powi(2);
+        self.has_delta_lights() || few || self.environment.is_some()
     }
 
     /// Whether some material is a mirror or smooth glass, or is coated so.

@@ -6,16 +6,13 @@ use lumbre::backend::Backend;
 use lumbre::bench::{Lumbre, Variant};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Missing, Solves};
+use lumbre::integrator::{Bias, Solves};
 use lumbre::render::{Settings, Technique};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};
 
 use super::super::choose_backend;
 use super::Entry;
-
-/// The seed of references: no bench has so many runs.
-const REFERENCE_SEED: u32 = 0xffff_fff0;
 
 /// Something that is changed to see what it buys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,27 +120,14 @@ fn bias(technique: &Technique, entry: &Entry) -> String {
         let chosen = parameter.biased.filter(|(value, _)| technique.value(parameter.name) == Some(value));
         all.extend(chosen.map(|(_, why)| why.to_owned()));
     }
-    if row.solves < entry.settings.technique.row.solves {
+    if row.solves < entry.solves {
         all.push(format!("accounts for {} only", row.solves.what()));
     }
     all.extend(technique.misses(&entry.scene).map(|missed| format!("does not find {missed}")));
     all.join("; ")
 }
 
-/// The technique of references: one that accounts for what the columns account for and finds all of it in the scene, unbiased where there
-/// is one.
-pub(super) fn reference_technique(techniques: &[Technique], scene: &Scene) -> Result<Technique> {
-    let solves = techniques.iter().map(|technique| technique.row.solves).max().unwrap_or(Solves::Everything);
-    let fit = |row: &&Integrator| {
-        let finds_all = Technique::parse(row.name).is_ok_and(|technique| technique.misses(scene).is_none());
-        row.solves == solves && finds_all && !row.misses.contains(&Missing::DeltaLights)
-    };
-    let unbiased = INTEGRATORS.iter().filter(fit).find(|row| row.bias == Bias::Unbiased);
-    Technique::parse(unbiased.or(INTEGRATORS.iter().find(fit)).map_or("path", |row| row.name))
-}
-
-/// The settings of a reference: on the fastest backend, with a seed of its own.
-pub(super) fn reference_settings(settings: &Settings, gpu: &Gpu) -> Settings {
-    let backend = choose_backend("auto", gpu).unwrap_or(Backend::Bvh);
-    Settings { backend, seed: REFERENCE_SEED, ..settings.clone() }
+/// The light that a reference of these techniques' images is to have: all that any of them accounts for.
+pub(super) fn wanted_light(techniques: &[Technique]) -> Solves {
+    techniques.iter().map(|technique| technique.row.solves).max().unwrap_or(Solves::Everything)
 }

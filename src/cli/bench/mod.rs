@@ -8,23 +8,26 @@ use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use clap::Args;
 
 use lumbre::bench::peer::{Peer, SceneRequest};
-use lumbre::bench::reference::{self, Recipe};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
 use lumbre::bench::stats::CONFIDENCE;
 use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
 use lumbre::error::{Error, Result};
+use lumbre::film::Image;
 use lumbre::gpu::Gpu;
+use lumbre::integrator::Solves;
 use lumbre::output::{Picture, check_writable, replace_file, write_picture};
+use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
 
 use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
-use super::{DeviceArgs, parse_define, print, print_warnings};
-use columns::{Column, reference_technique};
+use super::{DeviceArgs, choose_backend, parse_define, print, print_warnings};
+use columns::{Column, wanted_light};
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -61,13 +64,14 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000), allow_negative_numbers = true)]
     seeds: u32,
 
-    /// Image that stands for the truth, one per scene; without it one is made. An EXR layer `variance` says how noisy it is
+    /// Image that stands for the truth, one per scene; without it one is made. One that `lumbre reference` made is taken as it says; any
+    /// other is checked by the best technique there is. An EXR layer `variance` says how noisy it is
     #[arg(long, value_name = "FILE")]
     reference: Vec<PathBuf>,
 
-    /// Samples per pixel of a reference that is made
-    #[arg(long, value_name = "SPP", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..))]
-    reference_spp: u32,
+    /// Seconds that making and checking a reference may take, kernels included; by default as long as one variant's runs take together
+    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, allow_negative_numbers = true)]
+    reference_time: Option<f64>,
 
     /// Size of the images in pixels
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -117,6 +121,8 @@ struct Entry {
     scene: Scene,
     load: f64,
     settings: Settings,
+    /// The light that the reference has.
+    solves: Solves,
     given: Option<(PathBuf, Truth)>,
 }
 
@@ -207,8 +213,7 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
         if !args.quiet {
             print_warnings(&scene);
         }
-        let mut settings =
-            Settings::new(&scene, reference_technique(techniques, &scene)?, lumbre::backend::Backend::Bvh);
+        let mut settings = Settings::new(&scene, Technique::parse("path")?, lumbre::backend::Backend::Bvh);
         if let Some((width, height)) = args.size {
             (settings.width, settings.height) = (width, height);
         }
@@ -222,7 +227,8 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
         let stem = file.file_stem().map_or(String::from("scene"), |stem| stem.to_string_lossy().into_owned());
         let name = (1..).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
         let name = name.into_iter().find(|name| names.insert(name.clone())).unwrap_or_default();
-        entries.push(Entry { name, file: file.clone(), scene, load, settings, given });
+        let solves = wanted_light(techniques);
+        entries.push(Entry { name, file: file.clone(), scene, load, settings, solves, given });
     }
     Ok(entries)
 }
@@ -244,7 +250,8 @@ fn prepare_folder(args: &BenchArgs, entries: &[Entry], fingerprints: &[u64]) -> 
     let mut hasher = DefaultHasher::new();
     fingerprints.hash(&mut hasher);
     for entry in entries {
-        (&entry.name, entry.given.is_some(), args.reference_spp, &args.peer).hash(&mut hasher);
+        let time = args.reference_time.map(f64::to_bits);
+        (&entry.name, entry.given.is_some(), time, &args.peer).hash(&mut hasher);
     }
     let plan = format!("{:016x}", hasher.finish());
     let path = folder.join("bench.plan");
@@ -284,7 +291,7 @@ fn bench_scene(
             eprintln!("{}: {text}", entry.name);
         }
     };
-    let (truth, described) = obtain_reference(args, entry, gpu, stop, &say)?;
+    let (truth, described) = obtain_reference(args, entry, gpu, limits, stop, &say)?;
     let mut variants = columns
         .iter()
         .map(|column| column.variant(gpu, entry, &|lights| load(args, &entry.file, lights)))
@@ -330,38 +337,71 @@ fn bench_scene(
     })
 }
 
-/// The reference with its description; its picture goes to the folder.
+/// The reference with its description; its pictures go to the folder.
 fn obtain_reference(
     args: &BenchArgs,
     entry: &Entry,
     gpu: &Gpu,
+    limits: Limits,
     stop: &dyn Fn() -> Result<()>,
     say: &dyn Fn(String),
 ) -> Result<(Truth, Reference)> {
     let image = format!("images/{}-reference.exr", entry.name);
     let picture = format!("images/{}-reference.png", entry.name);
-    let (truth, origin, made) = match &entry.given {
-        Some((path, truth)) => (truth.clone(), format!("given: {}", path.display()), None),
+    let settings = Settings { backend: choose_backend("auto", gpu)?, ..entry.settings.clone() };
+    let runs = f64::from(limits.seeds);
+    let budget = match (args.reference_time, limits.seconds) {
+        (Some(seconds), _) => Budget::Seconds(seconds),
+        (None, Some(seconds)) => Budget::Seconds(runs * seconds),
+        (None, None) => Budget::Samples(runs * f64::from(limits.spp.unwrap_or(1))),
+    };
+    let (gpu, scene, solves) = (gpu, &entry.scene, entry.solves);
+    let request = Request { gpu, scene, settings: &settings, solves, budget, seed: 0, parts: None };
+    let mut hear = |step: Step| {
+        stop()?;
+        if let Some(text) = super::reference::told(&step) {
+            say(text);
+        }
+        Ok(())
+    };
+    let started = Instant::now();
+    let (truth, origin) = match &entry.given {
+        Some((path, truth)) if truth.certificate.is_some() => (truth.clone(), format!("given: {}", path.display())),
+        Some((path, truth)) => {
+            let checked = reference::check(&request, truth, &mut hear)?;
+            (checked, format!("given: {}", path.display()))
+        }
         None => {
-            let settings = columns::reference_settings(&entry.settings, gpu);
-            let recipe = Recipe { scene: &entry.scene, settings, spp: args.reference_spp };
-            let folder = host::cache_folder(&args.output)?;
-            say(format!("reference by {}, {} spp", recipe.settings.technique.describe(), recipe.spp));
-            let (truth, cached) = recipe.obtain(gpu, &folder, |_| stop())?;
-            let made = (recipe.settings.technique.describe(), u64::from(recipe.spp));
-            (truth, String::from(if cached { "cached" } else { "made" }), Some(made))
+            let (truth, cached) = reference::obtain(&request, &host::cache_folder(&args.output)?, &mut hear)?;
+            (truth, String::from(if cached { "cached" } else { "made" }))
         }
     };
-    let plain = || Picture { image: truth.image.clone(), layers: Vec::new(), header: Vec::new() };
-    write_picture(&args.output.join(&image), &plain())?;
-    write_picture(&args.output.join(&picture), &plain())?;
+    let doubt = truth.doubt();
+    if let Some(doubt) = &doubt {
+        say(format!("the reference is not confirmed: {doubt}"));
+    }
+    reference::write(&args.output.join(&image), &truth)?;
+    let png = |name: &str, image: &Image| {
+        let picture = Picture { image: image.clone(), layers: Vec::new(), header: Vec::new() };
+        write_picture(&args.output.join(name), &picture)
+    };
+    png(&picture, &truth.image)?;
+    let difference_map = truth.difference_map.as_ref().map(|map| {
+        let name = format!("images/{}-difference.png", entry.name);
+        png(&name, map).map(|()| name)
+    });
+    let makers = truth.certificate.as_ref().filter(|certificate| !certificate.makers.is_empty());
     let described = Reference {
         image,
         picture,
-        origin,
-        technique: made.as_ref().map(|(technique, _)| technique.clone()),
-        spp: made.map(|(_, spp)| spp),
+        technique: makers.map(reference::Certificate::makers),
+        spp: makers.map(|certificate| certificate.makers.iter().map(|maker| maker.spp).sum::<f64>().round() as u64),
         relmse: truth.relmse(),
+        seconds: if origin == "cached" { 0.0 } else { started.elapsed().as_secs_f64() },
+        origin,
+        certificate: truth.certificate.clone(),
+        difference_map: difference_map.transpose()?,
+        doubt,
     };
     Ok((truth, described))
 }

@@ -45,7 +45,7 @@ fn print_scene(scene: &SceneResults) {
     }
     for pair in &scene.pairs {
         let verdict = if pair.significant { "" } else { ", no significant difference" };
-        print(&format!("  {} against {}: {}{verdict}", pair.variant, pair.against, times(&pair.efficiency_ratio)));
+        print(&format!("  {} against {}: {}{verdict}", pair.variant, pair.against, times(&pair.efficiency.ratio)));
     }
     let least =
         scene.variants.iter().filter_map(|variant| Some(variant.last()?.relmse.mean)).fold(f64::INFINITY, f64::min);

@@ -1,0 +1,101 @@
+//! Squared relative errors pixel by pixel, and what of them a few bright samples do not decide.
+
+use super::RELATIVE_FLOOR;
+use crate::film::Image;
+
+/// The share of the pixels that is left out as the worst: at least one.
+pub const WORST: f64 = 1e-3;
+/// Median of the square of a standard normal variable.
+const MEDIAN_OF_SQUARE: f64 = 0.454_936;
+
+/// What the squared relative errors of an image's pixels come to. The noise of the reference is taken off.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelErrors {
+    /// Their mean without the worst [`WORST`].
+    pub trimmed: f64,
+    /// Their median.
+    pub median: f64,
+    /// Share of their sum that the worst [`WORST`] make.
+    pub worst_share: f64,
+}
+
+/// Mean over the channels of value / (b² + 0.01) for each pixel; `value` gets a channel of the image and of the reference.
+fn per_pixel(image: &Image, reference: &Image, value: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let pairs = image.pixels.iter().zip(&reference.pixels);
+    let pixel = |(a, b): (&[f32; 3], &[f32; 3])| {
+        let channel = |(a, b): (&f32, &f32)| {
+            let (a, b) = (f64::from(*a), f64::from(*b));
+            value(a, b) / (b * b + RELATIVE_FLOOR)
+        };
+        a.iter().zip(b).map(channel).sum::<f64>() / 3.0
+    };
+    pairs.map(pixel).collect()
+}
+
+/// (a - b)² / (b² + 0.01) of each pixel, the mean of its channels.
+pub fn squared_errors(image: &Image, reference: &Image) -> Vec<f64> {
+    per_pixel(image, reference, |a, b| (a - b).powi(2))
+}
+
+/// The figures of an image against a reference, with the variance of the reference's pixels where that is known. Pixels that are not
+/// finite are left out.
+///
+/// The variance is taken off each pixel that stays in the mean. Off the median goes what that of a reference without any other error
+/// would be, 0.455 times the median of the variances: exact where image and reference are normal with variances in proportion.
+pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) -> PixelErrors {
+    let errors = squared_errors(image, reference);
+    let noise = match variance {
+        Some(variance) => per_pixel(variance, reference, |w, _| w),
+        None => vec![0.0; errors.len()],
+    };
+    let mut pixels: Vec<(f64, f64)> = errors.into_iter().zip(noise).filter(|(error, _)| error.is_finite()).collect();
+    if pixels.is_empty() {
+        return PixelErrors::default();
+    }
+    pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let worst = ((WORST * pixels.len() as f64).ceil() as usize).clamp(1, pixels.len());
+    let (most, tail) = pixels.split_at(pixels.len() - worst);
+    let sum = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, noise)| error - noise).sum::<f64>();
+    let errors = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, _)| error).sum::<f64>();
+    let mut noises: Vec<f64> = pixels.iter().map(|(_, noise)| *noise).collect();
+    noises.sort_by(f64::total_cmp);
+    let middle = pixels.len() / 2;
+    let all = errors(&pixels);
+    PixelErrors {
+        trimmed: sum(most) / most.len().max(1) as f64,
+        median: pixels[middle].0 - MEDIAN_OF_SQUARE * noises[middle],
+        worst_share: if all > 0.0 { errors(tail) / all } else { 0.0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(values: impl Iterator<Item = f32>) -> Image {
+        let pixels: Vec<[f32; 3]> = values.map(|value| [value; 3]).collect();
+        Image { width: pixels.len() as u32, height: 1, pixels }
+    }
+
+    #[test]
+    fn one_firefly_decides_the_mean_alone() {
+        let reference = image((0..2000).map(|_| 1.0));
+        let off = |k: u32| if k.is_multiple_of(2) { 1.1 } else { 0.8 };
+        let calm = pixel_errors(&image((0..2000).map(off)), &reference, None);
+        let struck = pixel_errors(&image((0..2000).map(|k| if k == 77 { 1000.0 } else { off(k) })), &reference, None);
+        // Half of the pixels are 0.1 off, half 0.2: 0.01 and 0.04 over 1.01.
+        assert!((calm.trimmed - 0.025 / 1.01).abs() < 2e-5, "{calm:?}");
+        assert!((calm.median - 0.04 / 1.01).abs() < 1e-5 && calm.worst_share < 0.002, "{calm:?}");
+        assert!((struck.trimmed / calm.trimmed - 1.0).abs() < 2e-3 && struck.median == calm.median, "{struck:?}");
+        assert!(struck.worst_share > 0.99, "{struck:?}");
+    }
+
+    #[test]
+    fn the_noise_of_the_reference_is_taken_off() {
+        // An exact image against references with the noise of +-s: all of the error is theirs.
+        let noisy = image((0..4000).map(|k| if k % 2 == 0 { 1.02 } else { 0.98 }));
+        let variance = image((0..4000).map(|_| 4e-4));
+        let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance));
+        assert!(found.trimmed.abs() < 1e-7, "{found:?}");
+    }
+}

@@ -1,0 +1,458 @@
+//! Making a reference, and checking one that was given.
+
+use std::path::Path;
+use std::time::Instant;
+
+use super::candidates::{Candidate, candidates};
+use super::certificate::{Certificate, Maker, OwnError, Pilot, SCHEMA, Witness};
+use super::parts::Parts;
+use super::pilot::{TILE, Tried, judge};
+use super::runner::Runner;
+use super::series::Series;
+use super::tails::{blur, own_error};
+use super::tiles::{Tile, TileMean, TileMeans, difference_map};
+use super::truth::Truth;
+use super::witness::{Kinds, hold_against};
+use crate::bench::stats::Interval;
+use crate::error::{Error, Result};
+use crate::film::Image;
+use crate::gpu::Gpu;
+use crate::integrator::Solves;
+use crate::render::Settings;
+use crate::scene::Scene;
+
+/// Share of the time that trying each technique takes, kernels apart.
+const PILOT: f64 = 0.025;
+/// Of the time that is left then: what making takes at first, and what the witness does. The rest is for whatever they differ in, and
+/// goes into making where they do not.
+const MAKING: f64 = 0.5;
+const CHECKING: f64 = 0.25;
+/// The least seconds that a technique is tried for.
+const LEAST_PILOT: f64 = 0.05;
+/// The least seconds of a reference whose time nobody says.
+const LEAST_BUDGET: f64 = 1.0;
+/// Independent images of a pilot, and of a long run at most.
+const PILOT_IMAGES: usize = 4;
+const IMAGES: usize = 16;
+/// Pixels of all independent images of a run together, unless that leaves fewer than [`LEAST_IMAGES`].
+const MOST_PIXELS: usize = 1 << 26;
+const LEAST_IMAGES: usize = 6;
+/// Seconds between two times that what was rendered is kept.
+const KEPT_EVERY: f64 = 20.0;
+/// By how much more error a technique counts that finds some of the light only by chance, as it cannot say where the reference is too
+/// bright; and one whose blur has to be allowed for.
+const BY_CHANCE: f64 = 4.0;
+const BLURRED: f64 = 2.0;
+/// Tiles of the map of differences, and the deviations that full colour stands for.
+const MAP_TILE: u32 = 4;
+const MAP_SCALE: f64 = 6.0;
+
+/// How long it may take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// So many seconds in all.
+    Seconds(f64),
+    /// As long as so many samples per pixel of the first technique that can make it.
+    Samples(f64),
+}
+
+/// A reference that is to be made or checked.
+pub struct Request<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Size, backend and everything else but technique and seed.
+    pub settings: &'a Settings,
+    /// The light that it is to have.
+    pub solves: Solves,
+    /// How long it may take.
+    pub budget: Budget,
+    /// Which of several independent references it is, 0 to 127.
+    pub seed: u32,
+    /// Where what was rendered is kept, if it is to be, with a number for all that it depends on.
+    pub parts: Option<(&'a Path, u64)>,
+}
+
+/// What is told while a reference is made.
+pub enum Step<'a> {
+    /// A technique is tried for a moment.
+    Tries(&'a str),
+    /// One makes the reference, for about so many seconds.
+    Makes(&'a str, f64),
+    /// One checks it.
+    Checks(&'a str, f64),
+    /// Another one is asked, since they differ; the text says where.
+    Asks(&'a str, String),
+    /// The share of the time that has passed, again and again.
+    Share(f64),
+}
+
+type Hear<'a> = &'a mut dyn FnMut(Step) -> Result<()>;
+
+/// Makes a reference: tries every technique that may, lets the best one run, and has another one check it.
+///
+/// # Errors
+///
+/// A scene that no technique can make a reference of on this device; whatever `hear` answers, which ends it.
+pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
+    let mut work = Work::begin(request, hear)?;
+    let main = MAKING * work.left();
+    let mut maker = work.best(main, &|_| true).ok_or_else(|| nobody(request))?;
+    let name = work.name(maker);
+    (work.hear)(Step::Makes(&name, main))?;
+    work.run(maker, main)?;
+
+    let mut dissent = Vec::new();
+    let mut witness = None;
+    if let Some(index) = work.best_witness(main, &[maker]) {
+        let seconds = CHECKING / (1.0 - MAKING) * work.left();
+        let name = work.name(index);
+        (work.hear)(Step::Checks(&name, seconds))?;
+        work.run(index, seconds)?;
+        let found = work.held_against(maker, index);
+        witness = Some((index, found));
+    }
+    // Where they differ a third one says who is right.
+    if let Some((second, found)) = witness.clone()
+        && let Some(first) = found.differences.first()
+        && let Some(third) = work.best_witness(main, &[maker, second])
+    {
+        let name = work.name(third);
+        (work.hear)(Step::Asks(&name, first.describe()))?;
+        let seconds = work.left().max(work.seconds(second));
+        work.run(third, seconds)?;
+        let of_maker = work.held_against(maker, third);
+        if of_maker.differences.is_empty() && of_maker.by_chance.is_none() {
+            dissent.push(found);
+            witness = Some((third, of_maker));
+        } else if work.held_against(second, third).differences.is_empty() {
+            // Two against one: the better of them goes on from what it has.
+            let agreeing = work.best(main, &|index| index == second || index == third).unwrap_or(second);
+            let other = if agreeing == second { third } else { second };
+            dissent.push(work.held_against(agreeing, maker));
+            let name = work.name(agreeing);
+            (work.hear)(Step::Makes(&name, main))?;
+            work.run(agreeing, main)?;
+            maker = agreeing;
+            let found = work.held_against(maker, other);
+            witness = Some((other, found));
+        } else if of_maker.differences.len() < found.differences.len() {
+            dissent.push(found);
+            witness = Some((third, of_maker));
+        } else {
+            dissent.push(of_maker);
+        }
+    } else if work.left() > 0.0 {
+        work.run(maker, work.seconds(maker) + work.left())?;
+        if let Some((index, found)) = &mut witness {
+            *found = work.held_against(maker, *index);
+        }
+    }
+    work.finish(maker, witness, dissent)
+}
+
+/// Has a reference that was given checked by the best technique that did not make it, and adds what came of it to what is known.
+///
+/// # Errors
+///
+/// As of [`make`].
+pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
+    let mut work = Work::begin(request, hear)?;
+    let seconds = work.left();
+    let index = work.best_witness(seconds, &[]).ok_or_else(|| nobody(request))?;
+    let name = work.name(index);
+    (work.hear)(Step::Checks(&name, seconds))?;
+    work.run(index, seconds)?;
+    let series = work.series(index);
+    let (width, height) = (request.settings.width, request.settings.height);
+    let own = |tile: Tile, channel: usize| TileMean::of_truth(given, tile, channel);
+    let by_chance = work.candidates[index].by_chance.as_deref();
+    let kinds = Kinds { of_reference: None, of_witness: by_chance };
+    let witness = hold_against((width, height), &own, series, &name, kinds);
+    let map = map_of((width, height), &own, series);
+    let noise = given.relmse();
+    let stated = noise.unwrap_or(0.0);
+    let error = OwnError {
+        relmse: Interval { mean: stated, low: stated, high: stated },
+        bias: 0.0,
+        largest_share: 0.0,
+        tail_index: None,
+        at_least: noise.is_none(),
+    };
+    let certificate = work.certificate(Vec::new(), error, Some(witness), Vec::new());
+    Ok(given.clone().certified(certificate).with_difference_map(Some(map)))
+}
+
+/// Where a witness differs.
+fn map_of((width, height): (u32, u32), own: &dyn Fn(Tile, usize) -> TileMean, witness: &Series) -> Image {
+    let other = |tile: Tile, channel: usize| TileMean::of_series(witness, tile, channel);
+    let own = TileMeans::of(width, height, MAP_TILE, own);
+    difference_map(width, height, &own, &TileMeans::of(width, height, MAP_TILE, &other), MAP_SCALE)
+}
+
+fn nobody(request: &Request) -> Error {
+    Error::Usage(format!(
+        "no technique finds all light of {} on this device: give a reference with --reference",
+        request.scene.source.display()
+    ))
+}
+
+/// A reference under way.
+struct Work<'a> {
+    request: &'a Request<'a>,
+    hear: Hear<'a>,
+    candidates: Vec<Candidate>,
+    parts: Parts,
+    /// The technique that runs, by its index, whose kernels are there.
+    runner: Option<(usize, Runner)>,
+    budget: f64,
+    started: Instant,
+    kept: Instant,
+}
+
+impl<'a> Work<'a> {
+    /// Takes up what was kept, or tries every technique.
+    fn begin(request: &'a Request<'a>, hear: Hear<'a>) -> Result<Self> {
+        let all = candidates(request.scene, request.solves, request.settings);
+        let parts = request.parts.and_then(|(path, key)| Parts::read(path, key));
+        let (budget, now) = (Budget::seconds(request.budget), Instant::now());
+        let mut work = Self {
+            request,
+            hear,
+            candidates: all,
+            parts: parts.unwrap_or_default(),
+            runner: None,
+            budget: budget.unwrap_or(LEAST_BUDGET),
+            started: now,
+            kept: now,
+        };
+        if work.parts.tried.is_empty() {
+            work.try_all(budget)?;
+        } else {
+            // What the device cannot run was dropped when they were tried.
+            let tried: Vec<&str> = work.parts.tried.iter().map(|tried| tried.pilot.technique.as_str()).collect();
+            work.candidates.retain(|candidate| tried.contains(&candidate.technique.describe().as_str()));
+        }
+        Ok(work)
+    }
+
+    /// Seeds of a technique's renderings: no two have one in common, and no bench has them.
+    fn seeds(&self, slot: usize) -> u32 {
+        1 << 31 | (self.request.seed & 0x7f) << 24 | ((slot as u32) & 0xf) << 20
+    }
+
+    fn try_all(&mut self, budget: Option<f64>) -> Result<()> {
+        let Request { gpu, scene, settings, .. } = *self.request;
+        let mut tried: Vec<(Candidate, Series, f64)> = Vec::new();
+        let mut refused = None;
+        for (index, candidate) in std::mem::take(&mut self.candidates).into_iter().enumerate() {
+            (self.hear)(Step::Tries(&candidate.technique.describe()))?;
+            let seconds = (PILOT * self.budget).max(LEAST_PILOT);
+            let mut runner = match Runner::new(gpu, scene, settings, &candidate, self.seeds(index + 8), 0.0) {
+                Ok(runner) => runner,
+                // What the device has no room or no feature for makes no reference.
+                Err(error @ (Error::OutOfMemory { .. } | Error::Usage(_))) => {
+                    refused = Some(error);
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            runner.calibrate(0.2 * seconds)?;
+            if let (None, Budget::Samples(samples), []) = (budget, self.request.budget, tried.as_slice()) {
+                self.budget = (samples * runner.seconds_per_sample).max(LEAST_BUDGET);
+            }
+            let mut series = runner.series(seconds, PILOT_IMAGES);
+            let hear = &mut self.hear;
+            runner.extend(&mut series, seconds, &mut |_| hear(Step::Share(0.0)))?;
+            tried.push((candidate, series, runner.seconds_per_sample));
+        }
+        if let ([], Some(error)) = (tried.as_slice(), refused) {
+            return Err(error);
+        }
+        self.parts.tried = judge(&tried);
+        self.candidates = tried.into_iter().map(|(candidate, ..)| candidate).collect();
+        self.parts.pilot_seconds = self.spent();
+        Ok(())
+    }
+
+    fn spent(&self) -> f64 {
+        self.parts.spent + self.started.elapsed().as_secs_f64()
+    }
+
+    fn left(&self) -> f64 {
+        (self.budget - self.spent()).max(0.0)
+    }
+
+    fn name(&self, index: usize) -> String {
+        self.candidates[index].technique.describe()
+    }
+
+    fn series(&self, index: usize) -> &Series {
+        // It is asked for once it has run.
+        self.parts.series(index).unwrap_or_else(|| unreachable!("{} has not run", self.name(index)))
+    }
+
+    fn seconds(&self, index: usize) -> f64 {
+        self.parts.series(index).map_or(0.0, |series| series.seconds)
+    }
+
+    /// The technique that is expected to have the least error after so many seconds.
+    fn best(&self, seconds: f64, may: &dyn Fn(usize) -> bool) -> Option<usize> {
+        let error = |index: &usize| self.parts.tried[*index].expected(seconds.max(1e-3));
+        (0..self.candidates.len()).filter(|index| may(*index)).min_by(|a, b| error(a).total_cmp(&error(b)))
+    }
+
+    /// The technique that is expected to see the smallest differences after so many seconds.
+    fn best_witness(&self, seconds: f64, but: &[usize]) -> Option<usize> {
+        let blindness = |index: &usize| {
+            let tried = &self.parts.tried[*index];
+            let chance = if tried.pilot.by_chance.is_some() { BY_CHANCE } else { 1.0 };
+            let blur = if tried.is_consistent { BLURRED } else { 1.0 };
+            chance * blur * tried.expected(seconds.max(1e-3))
+        };
+        let others = (0..self.candidates.len()).filter(|index| !but.contains(index));
+        others.min_by(|a, b| blindness(a).total_cmp(&blindness(b)))
+    }
+
+    /// Has a technique render until its series took so many seconds.
+    fn run(&mut self, index: usize, seconds: f64) -> Result<()> {
+        let Request { gpu, scene, settings, parts, .. } = *self.request;
+        if self.runner.as_ref().is_none_or(|(current, _)| *current != index) {
+            // The other one's memory first.
+            self.runner = None;
+            let known = self.parts.tried[index].seconds_per_sample;
+            let runner = Runner::new(gpu, scene, settings, &self.candidates[index], self.seeds(index), known)?;
+            self.runner = Some((index, runner));
+        }
+        let Some((_, runner)) = &mut self.runner else { return Ok(()) };
+        let pixels = (settings.width as usize * settings.height as usize).max(1);
+        let most = (MOST_PIXELS / pixels).clamp(LEAST_IMAGES, IMAGES);
+        let mut series = self.parts.series(index).cloned().unwrap_or_else(|| runner.series(seconds, most));
+        let (hear, kept, started, budget) = (&mut self.hear, &mut self.kept, self.started, self.budget);
+        let all = &mut self.parts;
+        let before = all.spent;
+        let keep = |series: &Series, all: &mut Parts| -> Result<()> {
+            let Some((path, key)) = parts else { return Ok(()) };
+            all.put(index, series.clone());
+            all.spent = before + started.elapsed().as_secs_f64();
+            let written = all.write(path, key);
+            all.spent = before;
+            written
+        };
+        let done = runner.extend(&mut series, seconds, &mut |series| {
+            if kept.elapsed().as_secs_f64() > KEPT_EVERY {
+                keep(series, all)?;
+                *kept = Instant::now();
+            }
+            hear(Step::Share(((before + started.elapsed().as_secs_f64()) / budget).min(1.0)))
+        });
+        if done.is_err() && before + started.elapsed().as_secs_f64() > KEPT_EVERY {
+            keep(&series, all)?;
+        }
+        done?;
+        all.put(index, series);
+        Ok(())
+    }
+
+    fn held_against(&self, reference: usize, witness: usize) -> Witness {
+        let (own, other) = (self.series(reference), self.series(witness));
+        let settings = self.request.settings;
+        let kinds = Kinds {
+            of_reference: self.candidates[reference].by_chance.as_deref(),
+            of_witness: self.candidates[witness].by_chance.as_deref(),
+        };
+        let own = |tile: Tile, channel: usize| TileMean::of_series(own, tile, channel);
+        hold_against((settings.width, settings.height), &own, other, &self.name(witness), kinds)
+    }
+
+    /// The share of the witness in each pixel, by what the pilot has shown of both and the samples that they have: it does not depend on the
+    /// values that it weighs.
+    fn shares(&self, maker: usize, witness: usize) -> Vec<f32> {
+        let (width, height) = (self.request.settings.width, self.request.settings.height);
+        let precision = |index: usize, tile: usize| {
+            self.seconds(index) / self.parts.tried[index].tiles[tile].max(f64::MIN_POSITIVE)
+        };
+        let mut shares = vec![0.0; (width * height) as usize];
+        for (number, tile) in Tile::all(width, height, TILE).enumerate() {
+            let (own, other) = (precision(maker, number), precision(witness, number));
+            let share = (other / (own + other)) as f32;
+            tile.pixels(width).for_each(|pixel| shares[pixel] = share);
+        }
+        shares
+    }
+
+    fn finish(mut self, maker: usize, witness: Option<(usize, Witness)>, dissent: Vec<Witness>) -> Result<Truth> {
+        self.runner = None;
+        let (width, height) = (self.request.settings.width, self.request.settings.height);
+        let own = self.series(maker);
+        let of_maker = |tile: Tile, channel: usize| TileMean::of_series(own, tile, channel);
+        let map = witness.as_ref().map(|(index, _)| map_of((width, height), &of_maker, self.series(*index)));
+        // A witness that agrees and finds all light without blur is a part of the image as well.
+        let joins = |(index, found): &&(usize, Witness)| {
+            let aims = |index: usize| self.candidates[index].aims_at_all();
+            found.differences.is_empty()
+                && aims(maker)
+                && aims(*index)
+                && self.series(*index).images.len() == own.images.len()
+        };
+        let mut shares = vec![(maker, 1.0)];
+        let mixed = match witness.as_ref().filter(joins) {
+            None => own.clone(),
+            Some((index, _)) => {
+                let weights = self.shares(maker, *index);
+                let share = weights.iter().map(|share| f64::from(*share)).sum::<f64>() / weights.len().max(1) as f64;
+                shares = vec![(maker, 1.0 - share), (*index, share)];
+                own.mixed(self.series(*index), &weights)
+            }
+        };
+        let mut error = own_error(&mixed);
+        if mixed.is_blurred {
+            error.bias = blur(&mixed, 2.0);
+        }
+        let maker = |(index, share): &(usize, f64)| Maker {
+            technique: self.name(*index),
+            spp: self.series(*index).spp(),
+            seconds: self.seconds(*index),
+            share: *share,
+            by_chance: self.candidates[*index].by_chance.clone(),
+        };
+        let makers = shares.iter().map(maker).collect();
+        let truth = Truth::new(mixed.mean(), Some(mixed.variance()));
+        let certificate = self.certificate(makers, error, witness.map(|(_, found)| found), dissent);
+        Ok(truth.certified(certificate).with_difference_map(map))
+    }
+
+    fn certificate(
+        &self,
+        makers: Vec<Maker>,
+        error: OwnError,
+        witness: Option<Witness>,
+        dissent: Vec<Witness>,
+    ) -> Certificate {
+        let mut pilots: Vec<&Tried> = self.parts.tried.iter().collect();
+        pilots.sort_by(|a, b| a.expected(self.budget).total_cmp(&b.expected(self.budget)));
+        let pilots: Vec<Pilot> = pilots.into_iter().map(|tried| tried.pilot.clone()).collect();
+        Certificate {
+            schema: SCHEMA.to_owned(),
+            scene: self.request.scene.source.display().to_string(),
+            budget: self.budget,
+            seconds: self.spent(),
+            pilot_seconds: self.parts.pilot_seconds,
+            pilots,
+            makers,
+            error,
+            witness,
+            dissent,
+        }
+    }
+}
+
+impl Budget {
+    fn seconds(self) -> Option<f64> {
+        match self {
+            Self::Seconds(seconds) => Some(seconds),
+            Self::Samples(_) => None,
+        }
+    }
+}

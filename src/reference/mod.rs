@@ -1,0 +1,30 @@
+//! Images that stand for the truth: made by a technique that can find the light, and checked by another one.
+//!
+//! [`make`] tries every technique that may make a reference of the scene for a moment ([`pilot`]), lets the best one run with many
+//! independent seeds ([`series`]), and has an independent run of another one look at the result tile by tile ([`witness`]). What came of
+//! it is the [`Certificate`], which stays with the image.
+
+mod cache;
+mod candidates;
+mod certificate;
+mod file;
+mod make;
+mod parts;
+mod pilot;
+mod runner;
+mod series;
+mod tails;
+mod tiles;
+mod truth;
+mod witness;
+
+pub use cache::{obtain, resume};
+pub use candidates::{Candidate, candidates};
+pub use certificate::{Certificate, Difference, Maker, OwnError, Pilot, SCHEMA, Witness};
+pub use file::{read, read_certificate, write};
+pub use make::{Budget, Request, Step, check, make};
+pub use series::Series;
+pub use tails::own_error;
+pub use tiles::{Tile, TileMean, TileMeans, difference_map};
+pub use truth::Truth;
+pub use witness::{Kinds, hold_against};
