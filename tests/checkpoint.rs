@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::common::program::{fails, render, works};
 use crate::common::{canon, has_time, settings, with_gpu};
 use lumbre::backend::Backend;
 use lumbre::checkpoint::{Checkpoints, Header, Identity};
@@ -11,7 +12,8 @@ use lumbre::gpu::Gpu;
 use lumbre::integrator::INTEGRATORS;
 use lumbre::render::{Renderer, Settings, State};
 use lumbre::sampler::Sampler;
-use lumbre::scene::{LoadOptions, Scene};
+use lumbre::scene::{Filter, LoadOptions, Scene};
+use lumbre::spirv::Arithmetic;
 use lumbre::strategies::Strategies;
 
 const SPP: u32 = 3;
@@ -293,5 +295,44 @@ fn checkpoints_of_other_renderings_are_refused() {
         refused(&scene, &with(&|it| it.backend = Backend::RayQuery), &["backend (bvh there, ray-query asked for)"]);
         let other = canon("cornell_spheres.xml", &[("size", "8")]);
         refused(&other, &settings, &["scene ("]);
+        let camera = with(&|it| it.camera = Some(String::from("0")));
+        refused(&scene, &camera, &["camera (the first there, '0' asked for)"]);
+        refused(&scene, &with(&|it| it.filter = Filter::Tent { radius: 1.0 }), &["filter ("]);
+        let strategies = Some(Strategies::of(3, scene.camera(None).unwrap()));
+        refused(&scene, &with(&|it| it.strategies = strategies), &["layers by strategy (0 there, 3 asked for)"]);
+        refused(&scene, &with(&|it| it.specialise = false), &["specialised (true there, false asked for)"]);
+        refused(&scene, &with(&|it| it.driver_specialises = true), &["specialised by the driver (false there"]);
+        refused(&scene, &with(&|it| it.arithmetic = Arithmetic::Exact), &["arithmetic (Free there, Exact asked for)"]);
+        refused(&scene, &with(&|it| it.chunk = 5), &["chunk ("]);
+        // The header keeps it, and what goes on takes it from there.
+        let expected_samples = with(&|it| it.expected_samples = 1);
+        assert!(files.find(&Identity::of(&scene, &expected_samples, gpu)).unwrap().is_some());
     });
+    another_environment_is_refused(folder.path());
+}
+
+/// On the command line: a sky that is turned is another scene, though its texels and what they are sampled by are the same.
+fn another_environment_is_refused(folder: &Path) {
+    let sky = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references/sky.exr");
+    let body = format!(
+        r#"<scene version="3.0.0"><default name="angle" value="0"/>
+        <sensor type="perspective"><film type="hdrfilm"><rfilter type="box"/></film></sensor>
+        <emitter type="envmap"><string name="filename" value="{}"/>
+        <transform name="to_world"><rotate y="1" angle="$angle"/></transform></emitter></scene>"#,
+        sky.display()
+    );
+    let file = folder.join("sky.xml");
+    std::fs::write(&file, body).unwrap();
+    let line = |more: &str| {
+        render(
+            folder,
+            file.to_str().unwrap(),
+            &format!("-i path -n 1 --size 8x8 -o sky.exr --checkpoint sky.ckpt --resume {more}"),
+        )
+    };
+    works(line(""));
+    assert!(works(line("-D angle=0")).starts_with("note: going on from sky.ckpt: 1 spp"));
+    let said = fails(line("-D angle=40"), 2);
+    assert!(said.starts_with("error: sky.ckpt is of another rendering; what differs is scene ("), "{said}");
+    assert_eq!(said.matches(" there, ").count(), 1, "{said}");
 }

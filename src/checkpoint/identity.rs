@@ -8,6 +8,7 @@ use crate::error::all_of;
 use crate::gpu::Gpu;
 use crate::render::{Settings, kernels_fingerprint};
 use crate::scene::Scene;
+use crate::strategies::Strategies;
 
 /// Names and values of what the bits of an image depend on, besides the number of samples.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,23 +20,46 @@ impl Identity {
         let mut hasher = DefaultHasher::new();
         scene.hash_content(&mut hasher);
         let survey = gpu.survey();
-        let Settings { technique, backend, width, height, filter, camera, max_depth, rr_depth, .. } = settings;
-        let Settings { sampler, seed, lengths, strategies, specialise, arithmetic, chunk, .. } = settings;
+        // Without `..`: a new setting does not compile until it is listed below, or left out with the reason why.
+        let Settings {
+            technique,
+            backend,
+            width,
+            height,
+            filter,
+            camera,
+            max_depth,
+            rr_depth,
+            sampler,
+            seed,
+            lengths,
+            strategies,
+            specialise,
+            driver_specialises,
+            arithmetic,
+            expected_samples: _, // the checkpoint's header keeps it, and what goes on takes it from there
+            chunk,
+        } = settings;
+        let camera = camera.as_ref().map_or(String::from("the first"), |name| format!("'{name}'"));
         let depth = max_depth.map_or(String::from("none"), |depth| depth.to_string());
+        // Whether there is a lens is the camera's, and so the scene's.
+        let by_strategy = strategies.map_or(0, |Strategies { longest, lens: _ }| longest);
         let entries = [
             ("scene", format!("{:016x}", hasher.finish())),
             ("technique", technique.full()),
             ("size", format!("{width}x{height}")),
             ("seed", seed.to_string()),
             ("backend", backend.name().to_owned()),
-            ("camera", camera.clone().unwrap_or_else(|| String::from("the first"))),
+            ("camera", camera),
             ("longest path", depth),
             ("roulette from segment", rr_depth.to_string()),
             ("sampler", sampler.name().to_owned()),
             ("filter", format!("{filter:?}")),
             ("layers by length", lengths.to_string()),
-            ("layers by strategy", strategies.map_or(0, |strategies| strategies.longest).to_string()),
+            ("layers by strategy", by_strategy.to_string()),
             ("specialised", specialise.to_string()),
+            // The same bits by intent, and in tests; but a driver is free to regroup sums otherwise.
+            ("specialised by the driver", driver_specialises.to_string()),
             ("arithmetic", format!("{arithmetic:?}")),
             ("chunk", chunk.to_string()),
             ("device", survey.name.clone()),

@@ -1,37 +1,462 @@
 //! A number that stands for all that a scene's picture depends on.
+//!
+//! Each struct is taken apart without `..`: a new field does not compile until it is hashed here, or is left out with the reason why no
+//! picture depends on it. Numbers go in by their bits, and whatever has a length after its length.
 
 use std::hash::{Hash, Hasher};
+use std::mem::discriminant;
 
-use super::Scene;
+use bytemuck::Pod;
+
+use super::camera::Projection;
+use super::texture::{Texels, TextureImage};
+use super::{Camera, Environment, FilmSettings, Filter, Group, Instance, LightTree, Scene, TechniqueRequest};
+use crate::bvh::Bounds;
 
 impl Scene {
-    /// Feeds everything that a picture depends on to a hash: arrays, images, cameras, film; not names and warnings.
+    /// Feeds everything that a picture depends on to a hash: arrays, images, cameras, film; not names in messages and warnings.
     pub fn hash_content(&self, hasher: &mut impl Hasher) {
-        fn bytes<T: bytemuck::Pod>(array: &[T], hasher: &mut impl Hasher) {
-            bytemuck::cast_slice::<T, u8>(array).hash(hasher);
+        let Self {
+            source: _, // for messages
+            cameras,
+            film,
+            technique,
+            primitives,
+            corners,
+            normals,
+            uvs,
+            tangents,
+            colours,
+            surfaces,
+            materials,
+            material_names: _, // for messages: surfaces know materials by their indices
+            material_textures,
+            blends,
+            plastics,
+            principleds,
+            layereds,
+            compensations,
+            textures,
+            images,
+            tables,
+            lights,
+            table_lights,
+            table_probability,
+            light_tree,
+            background,
+            environment,
+            background_probability,
+            groups,
+            instances,
+            origin,
+            bounds,
+            warnings: _, // messages
+        } = self;
+        parts(cameras, hasher);
+        film.feed(hasher);
+        technique.feed(hasher);
+        array(primitives, hasher);
+        array(corners, hasher);
+        array(normals, hasher);
+        array(uvs, hasher);
+        array(tangents, hasher);
+        array(colours, hasher);
+        array(surfaces, hasher);
+        array(materials, hasher);
+        array(material_textures, hasher);
+        array(blends, hasher);
+        array(plastics, hasher);
+        array(principleds, hasher);
+        array(layereds, hasher);
+        array(compensations, hasher);
+        array(textures, hasher);
+        parts(images, hasher);
+        array(tables, hasher);
+        array(lights, hasher);
+        bits(table_lights, hasher);
+        bits(table_probability, hasher);
+        light_tree.feed(hasher);
+        array(background.as_slice(), hasher);
+        parts(environment.as_slice(), hasher);
+        bits(background_probability, hasher);
+        parts(groups, hasher);
+        parts(instances, hasher);
+        bits(origin, hasher);
+        bounds.feed(hasher);
+    }
+}
+
+/// Feeds a number, or a fixed number of them.
+fn bits<T: Pod>(value: &T, hasher: &mut impl Hasher) {
+    hasher.write(bytemuck::bytes_of(value));
+}
+
+/// Feeds numbers after how many elements they make: else two arrays in a row could trade some unseen.
+fn array<T: Pod>(elements: &[T], hasher: &mut impl Hasher) {
+    elements.len().hash(hasher);
+    hasher.write(bytemuck::cast_slice(elements));
+}
+
+/// Feeds parts of a scene after how many there are.
+fn parts<T: Part>(parts: &[T], hasher: &mut impl Hasher) {
+    parts.len().hash(hasher);
+    parts.iter().for_each(|part| part.feed(hasher));
+}
+
+/// A part of a scene that is more than plain numbers.
+trait Part {
+    /// Feeds what a picture depends on.
+    fn feed(&self, hasher: &mut impl Hasher);
+}
+
+impl Part for Camera {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        // The name decides which camera `--camera NAME` is.
+        let Self { name, to_world, fov, axis, principal_point, projection, window } = self;
+        name.hash(hasher);
+        bits(to_world, hasher);
+        bits(fov, hasher);
+        discriminant(axis).hash(hasher);
+        bits(principal_point, hasher);
+        projection.feed(hasher);
+        bits(window, hasher);
+    }
+}
+
+impl Part for Projection {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        discriminant(self).hash(hasher);
+        match self {
+            Self::Pinhole | Self::Orthographic => (),
+            Self::ThinLens { radius, focus } => bits(&[*radius, *focus], hasher),
         }
-        bytes(&self.primitives, hasher);
-        bytes(&self.corners, hasher);
-        bytes(&self.normals, hasher);
-        bytes(&self.uvs, hasher);
-        bytes(&self.tangents, hasher);
-        bytes(&self.colours, hasher);
-        bytes(&self.surfaces, hasher);
-        bytes(&self.materials, hasher);
-        bytes(&self.material_textures, hasher);
-        bytes(&self.blends, hasher);
-        bytes(&self.plastics, hasher);
-        bytes(&self.principleds, hasher);
-        bytes(&self.layereds, hasher);
-        bytes(&self.compensations, hasher);
-        bytes(&self.textures, hasher);
-        self.images.iter().for_each(|image| image.bytes().hash(hasher));
-        bytes(&self.tables, hasher);
-        bytes(&self.lights, hasher);
-        bytes(&self.light_tree.nodes, hasher);
-        self.environment.iter().for_each(|environment| bytes(&environment.table, hasher));
-        // What has no fixed layout, by its text.
-        let rest = (&self.cameras, &self.film, &self.technique, &self.background, &self.instances);
-        format!("{rest:?} {} {}", self.background_probability, self.table_probability).hash(hasher);
+    }
+}
+
+impl Part for FilmSettings {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { width, height, filter } = self;
+        bits(&[*width, *height], hasher);
+        filter.feed(hasher);
+    }
+}
+
+impl Part for Filter {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        discriminant(self).hash(hasher);
+        match self {
+            Self::Box => (),
+            Self::Tent { radius } => bits(radius, hasher),
+            Self::Gaussian { stddev, radius } => bits(&[*stddev, *radius], hasher),
+            Self::Mitchell { b, c } => bits(&[*b, *c], hasher),
+        }
+    }
+}
+
+impl Part for TechniqueRequest {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { integrator, spp, max_depth, rr_depth } = self;
+        integrator.hash(hasher);
+        spp.hash(hasher);
+        max_depth.hash(hasher);
+        rr_depth.hash(hasher);
+    }
+}
+
+impl Part for TextureImage {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { source: _, width, height, texels } = self; // the source is for messages
+        bits(&[*width, *height], hasher);
+        discriminant(texels).hash(hasher);
+        match texels {
+            Texels::Srgb8(texels) | Texels::Linear8(texels) => array(texels, hasher),
+            Texels::Float(texels) => array(texels, hasher),
+        }
+    }
+}
+
+impl Part for LightTree {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { nodes, origin, scale } = self;
+        array(nodes, hasher);
+        bits(origin, hasher);
+        bits(scale, hasher);
+    }
+}
+
+impl Part for Environment {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { texture, from_world, table, cells } = self;
+        bits(texture, hasher);
+        bits(from_world, hasher);
+        array(table, hasher);
+        bits(cells, hasher);
+    }
+}
+
+impl Part for Group {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { name: _, triangles, spheres } = self; // the name is for messages: instances know groups by their indices
+        triangles.hash(hasher);
+        spheres.hash(hasher);
+    }
+}
+
+impl Part for Instance {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { group, to_world } = self;
+        group.hash(hasher);
+        bits(to_world, hasher);
+    }
+}
+
+impl Part for Bounds {
+    fn feed(&self, hasher: &mut impl Hasher) {
+        let Self { min, max } = self;
+        bits(min, hasher);
+        bits(max, hasher);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::hash::DefaultHasher;
+    use std::path::PathBuf;
+
+    use bytemuck::Zeroable;
+    use glam::{DAffine3, DVec3, Vec3};
+
+    use super::*;
+    use crate::scene::camera::FovAxis;
+
+    /// A scene with one of everything, each of it nothing but zeros.
+    fn scene() -> Scene {
+        fn one<T: Zeroable>() -> Vec<T> {
+            vec![T::zeroed()]
+        }
+        Scene {
+            source: PathBuf::from("scene.xml"),
+            cameras: vec![Camera::new("camera", DAffine3::ZERO, 0.0, FovAxis::X)],
+            film: FilmSettings { width: 0, height: 0, filter: Filter::Box },
+            technique: TechniqueRequest::default(),
+            primitives: one(),
+            corners: one(),
+            normals: one(),
+            uvs: one(),
+            tangents: one(),
+            colours: one(),
+            surfaces: one(),
+            materials: one(),
+            material_names: vec![None],
+            material_textures: one(),
+            blends: one(),
+            plastics: one(),
+            principleds: one(),
+            layereds: one(),
+            compensations: one(),
+            textures: one(),
+            images: vec![TextureImage {
+                source: PathBuf::from("image.png"),
+                width: 0,
+                height: 0,
+                texels: Texels::Srgb8(one()),
+            }],
+            tables: one(),
+            lights: one(),
+            table_lights: 0,
+            table_probability: 0.0,
+            light_tree: LightTree { nodes: one(), origin: Vec3::ZERO, scale: 0.0 },
+            background: Some([0.0; 3]),
+            environment: Some(Environment { texture: 0, from_world: [[0.0; 3]; 3], table: one(), cells: [0; 2] }),
+            background_probability: 0.0,
+            groups: vec![Group { name: String::from("group"), triangles: 0..0, spheres: 0..0 }],
+            instances: vec![Instance { group: 0, to_world: DAffine3::ZERO }],
+            origin: DVec3::ZERO,
+            bounds: Bounds { min: Vec3::ZERO, max: Vec3::ZERO },
+            warnings: Vec::new(),
+        }
+    }
+
+    fn hash(scene: &Scene) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        scene.hash_content(&mut hasher);
+        hasher.finish()
+    }
+
+    /// Changes the fields of one struct of the scene, each by itself; it must become another scene (`other`) or stay the same (`same`).
+    /// The rows must be all fields: what they leave out is missing in a pattern, and the compiler says "inaccessible fields".
+    macro_rules! check_fields {
+        ($struct:ident, |$scene:ident| $place:expr, { $($field:ident: $outcome:ident |$it:ident| $change:expr;)* }) => {{
+            let mut $scene = scene();
+            let $struct { $($field: _),* } = &mut $place;
+            $(
+                let mut $scene = scene();
+                let $it = &mut $place.$field;
+                $change;
+                let name = concat!(stringify!($struct), "::", stringify!($field));
+                assert_eq!(hash(&$scene) != hash(&scene()), stringify!($outcome) == "other", "{name}");
+            )*
+        }};
+    }
+
+    #[test]
+    fn every_field_counts_but_messages() {
+        check_fields!(Scene, |scene| scene, {
+            source: same |it| it.push("elsewhere");
+            cameras: other |it| it.push(it[0].clone());
+            film: other |it| it.width = 1;
+            technique: other |it| it.spp = Some(1);
+            primitives: other |it| it[0].v2[2] = 1.0;
+            corners: other |it| it[0].i2 = 1;
+            normals: other |it| it[0][2] = 1.0;
+            uvs: other |it| it[0][1] = 1.0;
+            tangents: other |it| it[0][3] = 1.0;
+            colours: other |it| it[0][3] = 1.0;
+            surfaces: other |it| it[0].opacity_cutoff = 1.0;
+            materials: other |it| it[0].conductor_k[2] = 1.0;
+            material_names: same |it| it[0] = Some(String::from("gold"));
+            material_textures: other |it| it[0].bump_scale = 1.0;
+            blends: other |it| it[0].weight_texture = 1;
+            plastics: other |it| it[0].table = 1;
+            principleds: other |it| it[0].clearcoat_gloss = 1.0;
+            layereds: other |it| it[0].sheen_roughness_texture = 1;
+            compensations: other |it| it[0].alpha = 1.0;
+            textures: other |it| (it[0].levels, it[0].sampling) = (1, 1);
+            images: other |it| it.push(it[0].clone());
+            tables: other |it| it[0] = 1.0;
+            lights: other |it| it[0].absorption[2] = 1.0;
+            table_lights: other |it| *it = 1;
+            table_probability: other |it| *it = 1.0;
+            light_tree: other |it| it.scale = 1.0;
+            background: other |it| *it = None;
+            environment: other |it| *it = None;
+            background_probability: other |it| *it = 1.0;
+            groups: other |it| it.push(it[0].clone());
+            instances: other |it| it.push(it[0]);
+            origin: other |it| it.z = 1.0;
+            bounds: other |it| it.max.z = 1.0;
+            warnings: same |it| it.push(String::from("a face was dropped"));
+        });
+        check_fields!(Camera, |scene| scene.cameras[0], {
+            name: other |it| it.push('2');
+            to_world: other |it| it.translation.z = 1.0;
+            fov: other |it| *it = 1.0;
+            axis: other |it| *it = FovAxis::Y;
+            principal_point: other |it| it[1] = 1.0;
+            projection: other |it| *it = Projection::Orthographic;
+            window: other |it| it[3] = 0.5;
+        });
+        check_fields!(FilmSettings, |scene| scene.film, {
+            width: other |it| *it = 1;
+            height: other |it| *it = 1;
+            filter: other |it| *it = Filter::GAUSSIAN;
+        });
+        check_fields!(TechniqueRequest, |scene| scene.technique, {
+            integrator: other |it| *it = Some((String::from("path"), Vec::new()));
+            spp: other |it| *it = Some(0);
+            max_depth: other |it| *it = Some(None);
+            rr_depth: other |it| *it = Some(0);
+        });
+        check_fields!(TextureImage, |scene| scene.images[0], {
+            source: same |it| it.push("elsewhere");
+            width: other |it| *it = 1;
+            height: other |it| *it = 1;
+            texels: other |it| *it = Texels::Srgb8(vec![[0, 0, 0, 1]]);
+        });
+        check_fields!(LightTree, |scene| scene.light_tree, {
+            nodes: other |it| it[0].link = 1;
+            origin: other |it| it.z = 1.0;
+            scale: other |it| *it = 1.0;
+        });
+        check_fields!(Group, |scene| scene.groups[0], {
+            name: same |it| it.push('2');
+            triangles: other |it| it.end = 1;
+            spheres: other |it| it.end = 1;
+        });
+        check_fields!(Instance, |scene| scene.instances[0], {
+            group: other |it| *it = 1;
+            to_world: other |it| it.translation.z = 1.0;
+        });
+        check_fields!(Bounds, |scene| scene.bounds, {
+            min: other |it| it.z = 1.0;
+            max: other |it| it.z = 1.0;
+        });
+        check_fields!(Environment, |scene| scene.environment.as_mut().unwrap(), {
+            texture: other |it| *it = 1;
+            from_world: other |it| it[2][2] = 1.0;
+            table: other |it| it[0].density = 1.0;
+            cells: other |it| it[1] = 1;
+        });
+    }
+
+    /// What is a choice with parameters: each choice and each parameter makes another scene.
+    #[test]
+    fn every_choice_counts() {
+        let all_differ = |changes: &[&dyn Fn(&mut Scene)]| {
+            let mut hashes: Vec<u64> = Vec::new();
+            for (index, change) in changes.iter().enumerate() {
+                let mut scene = scene();
+                change(&mut scene);
+                let hash = hash(&scene);
+                let before = hashes.iter().position(|other| *other == hash);
+                assert_eq!(before, None, "change {index} has the hash of an earlier one");
+                hashes.push(hash);
+            }
+        };
+        all_differ(&[
+            &|it| it.film.filter = Filter::Box,
+            &|it| it.film.filter = Filter::Tent { radius: 1.0 },
+            &|it| it.film.filter = Filter::Tent { radius: 2.0 },
+            &|it| it.film.filter = Filter::Gaussian { stddev: 1.0, radius: 2.0 },
+            &|it| it.film.filter = Filter::Gaussian { stddev: 2.0, radius: 2.0 },
+            &|it| it.film.filter = Filter::Gaussian { stddev: 1.0, radius: 3.0 },
+            &|it| it.film.filter = Filter::Mitchell { b: 1.0, c: 2.0 },
+            &|it| it.film.filter = Filter::Mitchell { b: 2.0, c: 2.0 },
+            &|it| it.film.filter = Filter::Mitchell { b: 1.0, c: 3.0 },
+        ]);
+        all_differ(&[
+            &|it| it.cameras[0].projection = Projection::Pinhole,
+            &|it| it.cameras[0].projection = Projection::Orthographic,
+            &|it| it.cameras[0].projection = Projection::ThinLens { radius: 1.0, focus: 2.0 },
+            &|it| it.cameras[0].projection = Projection::ThinLens { radius: 2.0, focus: 2.0 },
+            &|it| it.cameras[0].projection = Projection::ThinLens { radius: 1.0, focus: 3.0 },
+        ]);
+        // The same bytes in each form; then other ones.
+        all_differ(&[
+            &|it| it.images[0].texels = Texels::Srgb8(vec![[0; 4]; 4]),
+            &|it| it.images[0].texels = Texels::Linear8(vec![[0; 4]; 4]),
+            &|it| it.images[0].texels = Texels::Float(vec![[0.0; 4]]),
+            &|it| it.images[0].texels = Texels::Float(vec![[0.0, 0.0, 0.0, 1.0]]),
+        ]);
+        let asks = |it: &mut Scene, name: &str, values: &[(&str, &str)]| {
+            let values = values.iter().map(|(name, value)| (String::from(*name), String::from(*value))).collect();
+            it.technique.integrator = Some((String::from(name), values));
+        };
+        all_differ(&[
+            &|it| asks(it, "vcm", &[("radius", "1")]),
+            &|it| asks(it, "vcm", &[("radius", "2")]),
+            &|it| asks(it, "vcm", &[("alpha", "1")]),
+            &|it| asks(it, "vcm", &[("radius", "1"), ("alpha", "1")]),
+            &|it| asks(it, "sppm", &[("radius", "1")]),
+        ]);
+    }
+
+    /// Where only the lengths tell: all elements are zeros, and as many bytes of them.
+    #[test]
+    fn arrays_do_not_trade_elements() {
+        let with = |tangents: usize, colours: usize| {
+            hash(&Scene { tangents: vec![[0.0; 4]; tangents], colours: vec![[0.0; 4]; colours], ..scene() })
+        };
+        assert_ne!(with(1, 2), with(2, 1));
+        assert_ne!(with(0, 3), with(3, 0));
+        // A group feeds 16 bytes, an instance 104.
+        let with = |groups: usize, instances: usize| {
+            let scene = scene();
+            let groups = vec![scene.groups[0].clone(); groups];
+            hash(&Scene { groups, instances: vec![scene.instances[0]; instances], ..scene })
+        };
+        assert_ne!(with(13, 0), with(0, 2));
     }
 }
