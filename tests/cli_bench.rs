@@ -55,8 +55,8 @@ fn a_bench_writes_its_report_and_goes_on() {
         "2",
         "--size",
         "24x24",
-        "--reference-spp",
-        "64",
+        "--reference-time",
+        "1",
         "-o",
         "out",
     ];
@@ -141,6 +141,7 @@ fn bad_benches_are_refused_before_anything_is_rendered() {
     bench(&["--backend", "bvh,cuda"], 2, &["no backend 'cuda'", "ray-query"]);
     bench(&["--ablate", "textures"], 2, &["no ablation 'textures'", "no-specialise"]);
     bench(&["-t", "0"], 2, &["-t", "above 0"]);
+    bench(&["--reference-time", "0"], 2, &["--reference-time", "above 0"]);
     bench(&["--seeds", "1"], 2, &["--seeds", "2.."]);
     bench(&["--against", "old.json"], 2, &["old.json"]);
     bench(&["--reference", "none.exr"], 2, &["none.exr"]);

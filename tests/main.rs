@@ -49,3 +49,4 @@ mod strategies;
 mod traversal;
 mod verify;
 mod whitted;
+mod witness;

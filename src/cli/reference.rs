@@ -103,12 +103,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
     let mut progress = Progress::new(args.quiet);
     let mut hear = |step: Step| {
         if interrupted.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted(match &args.output {
-                Some(path) if args.check.is_none() => {
-                    format!("what was rendered is kept beside {}; the same command goes on", path.display())
-                }
-                _ => String::from("nothing was written"),
-            }));
+            return Err(Error::Interrupted(String::from("nothing was rendered that is worth keeping")));
         }
         progress.hear(&step);
         Ok(())

@@ -2,6 +2,8 @@
 
 mod flip;
 pub mod pixels;
+#[cfg(test)]
+pub(crate) mod random;
 pub mod stats;
 pub mod tiles;
 

@@ -8,7 +8,7 @@ use super::file::{read, write};
 use super::make::{Budget, Request, Step, make};
 use super::parts;
 use super::truth::Truth;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::render::kernels_fingerprint;
 
 impl Request<'_> {
@@ -56,7 +56,14 @@ pub fn obtain(request: &Request, folder: &Path, hear: &mut dyn FnMut(Step) -> Re
 /// As of [`make`], and a file that cannot be written.
 pub fn resume(request: &Request, path: &Path, hear: &mut dyn FnMut(Step) -> Result<()>) -> Result<Truth> {
     let kept: PathBuf = parts::path(path);
-    let truth = make(&Request { parts: Some((&kept, request.key())), ..*request }, hear)?;
+    let truth =
+        make(&Request { parts: Some((&kept, request.key())), ..*request }, hear).map_err(|error| match error {
+            Error::Interrupted(_) if kept.exists() => Error::Interrupted(format!(
+                "what was rendered of the reference is kept in {}; the same command goes on",
+                kept.display()
+            )),
+            other => other,
+        })?;
     write(path, &truth)?;
     // It is of no further use; that it cannot be removed is no reason to fail.
     let _ = std::fs::remove_file(&kept);

@@ -27,6 +27,8 @@ const PILOT: f64 = 0.025;
 /// goes into making where they do not.
 const MAKING: f64 = 0.5;
 const CHECKING: f64 = 0.25;
+/// The share of the time that they have at least, should the kernels have taken all of it.
+const LEAST_LEFT: f64 = 0.1;
 /// The least seconds that a technique is tried for.
 const LEAST_PILOT: f64 = 0.05;
 /// The least seconds of a reference whose time nobody says.
@@ -99,7 +101,7 @@ type Hear<'a> = &'a mut dyn FnMut(Step) -> Result<()>;
 /// A scene that no technique can make a reference of on this device; whatever `hear` answers, which ends it.
 pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
     let mut work = Work::begin(request, hear)?;
-    let main = MAKING * work.left();
+    let main = MAKING * work.left().max(LEAST_LEFT * work.budget);
     let mut maker = work.best(main, &|_| true).ok_or_else(|| nobody(request))?;
     let name = work.name(maker);
     (work.hear)(Step::Makes(&name, main))?;
@@ -108,7 +110,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
     let mut others = Vec::new();
     let mut witness = None;
     if let Some(index) = work.best_witness(main, &[maker]) {
-        let seconds = CHECKING / (1.0 - MAKING) * work.left();
+        let seconds = CHECKING / (1.0 - MAKING) * work.left().max(LEAST_LEFT * work.budget);
         let name = work.name(index);
         (work.hear)(Step::Checks(&name, seconds))?;
         work.run(index, seconds)?;
@@ -161,7 +163,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
 /// As of [`make`].
 pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
     let mut work = Work::begin(request, hear)?;
-    let seconds = work.left();
+    let seconds = work.left().max(LEAST_LEFT * work.budget);
     let index = work.best_witness(seconds, &[]).ok_or_else(|| nobody(request))?;
     let name = work.name(index);
     (work.hear)(Step::Checks(&name, seconds))?;

@@ -110,19 +110,7 @@ pub(super) fn blur(series: &Series, deviations: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::film::Image;
-
-    /// Normal numbers (Box and Muller 1958) of a linear congruential sequence (Knuth's MMIX).
-    struct Normal(u64);
-
-    impl Normal {
-        fn uniform(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-        }
-        fn next(&mut self) -> f64 {
-            (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-        }
-    }
+    use crate::metrics::random::Normal;
 
     fn series(images: usize, mut value: impl FnMut(usize, usize) -> f64) -> Series {
         let mut series = Series::new(32, 32, images, true);
@@ -138,7 +126,7 @@ mod tests {
     #[test]
     fn the_interval_holds_the_true_error() {
         for shared in [1, 64] {
-            let mut random = Normal(7 + shared as u64);
+            let mut random = Normal::new(7 + shared as u64);
             let mut covered = 0;
             for _ in 0..200 {
                 let mut current = 0.0;
@@ -161,18 +149,18 @@ mod tests {
 
     #[test]
     fn few_bright_samples_are_noticed() {
-        let mut random = Normal(3);
+        let mut random = Normal::new(3);
         let found = series(16, |_, _| if random.uniform() < 2e-4 { 500.0 } else { 1.0 + 0.01 * random.next() });
         let own = own_error(&found);
         assert!(own.at_least && own.largest_share > 0.9, "{own:?}");
-        let mut calm = Normal(3);
+        let mut calm = Normal::new(3);
         let own = own_error(&series(16, |_, _| 1.0 + 0.01 * calm.next()));
         assert!(!own.at_least && own.largest_share < 0.02 && own.tail_index.unwrap() > 4.0, "{own:?}");
     }
 
     #[test]
     fn blur_is_bounded() {
-        let mut random = Normal(11);
+        let mut random = Normal::new(11);
         // The finer half is off by 0.02 everywhere, the coarser one by twice that.
         let found = series(16, |index, _| 1.0 + 0.02 * f64::from(1 + (index % 2) as u8) + 0.05 * random.next());
         let bound = blur(&found, 2.0);

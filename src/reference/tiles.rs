@@ -10,6 +10,8 @@ const NEAR: f64 = 2.0;
 
 /// Tiles along each side of a square of neighbours.
 const PARENT: u32 = 4;
+/// A tile's variance is no less than this, beside the median of its neighbours'.
+const LEAST_SHARED: f64 = 0.5;
 /// The square of how far the mean of a blurred series is off, beside the difference of its halves.
 const SHIFT_OF_MEAN: f64 = 2.25;
 
@@ -35,6 +37,17 @@ impl Tile {
         })
     }
 
+    /// The same, and those between them: shifted by half of their size in either direction.
+    pub fn overlapping(width: u32, height: u32, size: u32) -> impl Iterator<Item = Self> {
+        let step = if size < width.max(height) { (size / 2).max(1) } else { size };
+        let tile = move |x, y| Self { x, y, width: size.min(width - x), height: size.min(height - y) };
+        let all = (0..height)
+            .step_by(step as usize)
+            .flat_map(move |y| (0..width).step_by(step as usize).map(move |x| tile(x, y)));
+        // What is left of the last ones at the border is a part of those before them.
+        all.filter(move |tile| tile.x % size == 0 && tile.y % size == 0 || tile.width == size && tile.height == size)
+    }
+
     /// The indices of its pixels in an image of that width.
     pub fn pixels(self, width: u32) -> impl Iterator<Item = usize> + Clone {
         (self.y..self.y + self.height)
@@ -47,6 +60,14 @@ impl Tile {
             && other.x < self.x + self.width
             && self.y < other.y + other.height
             && other.y < self.y + self.height
+    }
+
+    /// Whether it is a part of another one, and smaller.
+    pub fn is_within(self, other: Self) -> bool {
+        let (right, below) = (self.x + self.width, self.y + self.height);
+        let inside =
+            self.x >= other.x && self.y >= other.y && right <= other.x + other.width && below <= other.y + other.height;
+        inside && self.width * self.height < other.width * other.height
     }
 
     fn mean(self, pixels: &[[f32; 3]], width: u32, channel: usize) -> f64 {
@@ -115,6 +136,10 @@ impl TileMean {
     pub fn against(&self, other: &Self) -> (f64, f64) {
         let (va, vb) = (self.variance, other.variance);
         let difference = other.mean - self.mean;
+        // Where not a single sample of a series arrived, it knows nothing.
+        if [self, other].iter().any(|own| own.freedom.is_finite() && own.mean == 0.0 && own.variance == 0.0) {
+            return (0.0, 1.0);
+        }
         // Rounding: images are of single precision.
         let rounding = (2e-6 * (self.mean.abs() + other.mean.abs())).powi(2) + 1e-16;
         let noise = va + vb + rounding;
@@ -137,9 +162,9 @@ pub struct TileMeans {
 
 impl TileMeans {
     /// Of an image. Neighbours, [`PARENT`] x [`PARENT`] of them, share what is known of noise and blur: a tile that no bright sample has met
-    /// yet, while its neighbours have, is no better known than they are.
+    /// yet, while most of its neighbours have, is no better known than they are.
     pub fn of(width: u32, height: u32, size: u32, mean: &dyn Fn(Tile, usize) -> TileMean) -> Self {
-        let tiles: Vec<Tile> = Tile::all(width, height, size).collect();
+        let tiles: Vec<Tile> = Tile::overlapping(width, height, size).collect();
         let mut means: Vec<[TileMean; 3]> =
             tiles.iter().map(|tile| std::array::from_fn(|channel| mean(*tile, channel))).collect();
         let across = width.div_ceil(size * PARENT).max(1) as usize;
@@ -148,19 +173,30 @@ impl TileMeans {
             let (x, y) = (tile.x / (size * PARENT), tile.y / (size * PARENT));
             y as usize * across + x as usize
         };
-        // Per parent and channel: children, variance, squared shift beyond its noise.
-        let mut shared = vec![[(0.0, 0.0, 0.0); 3]; across * down];
+        // Per parent and channel: the children's variances, and their squared shifts beside the noise of these.
+        let mut shared = vec![[const { (Vec::new(), Vec::new()) }; 3]; across * down];
         for (tile, own) in tiles.iter().zip(&means) {
-            for (sums, mean) in shared[parent(tile)].iter_mut().zip(own) {
-                sums.0 += 1.0;
-                sums.1 += mean.variance;
-                sums.2 += mean.shift.0.powi(2) - mean.shift.1;
+            for ((variances, shifts), mean) in shared[parent(tile)].iter_mut().zip(own) {
+                variances.push(mean.variance);
+                if mean.shift.1 > 0.0 {
+                    shifts.push(mean.shift.0.powi(2) / mean.shift.1);
+                }
             }
         }
+        let shared: Vec<[(f64, f64); 3]> = shared
+            .into_iter()
+            .map(|of_parent| {
+                of_parent.map(|(mut variances, shifts): (Vec<f64>, Vec<f64>)| {
+                    variances.sort_by(f64::total_cmp);
+                    let mean = shifts.iter().sum::<f64>() / shifts.len().max(1) as f64;
+                    (variances[variances.len() / 2], (mean - 1.0).max(0.0))
+                })
+            })
+            .collect();
         for (tile, own) in tiles.iter().zip(&mut means) {
-            for ((count, variance, shift), mean) in shared[parent(tile)].iter().zip(own) {
-                mean.variance = mean.variance.max(variance / count);
-                mean.blur = mean.own_blur() + SHIFT_OF_MEAN * (shift / count).max(0.0);
+            for ((variance, shift), mean) in shared[parent(tile)].iter().zip(own) {
+                mean.variance = mean.variance.max(LEAST_SHARED * variance);
+                mean.blur = mean.own_blur() + SHIFT_OF_MEAN * shift * mean.shift.1;
             }
         }
         Self { tiles, means }
