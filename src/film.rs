@@ -2,6 +2,7 @@
 
 use crate::layout::FilmPixel;
 use crate::metrics::RELATIVE_FLOOR;
+use crate::metrics::pixels::{HEAVY_TAIL, worst_share};
 use crate::metrics::stats::Estimate;
 use crate::strategies::Strategy;
 
@@ -51,6 +52,23 @@ pub struct BadSample {
     pub y: u32,
     /// Sample index within the pixel.
     pub sample: u32,
+}
+
+/// What the samples of a film say of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// relMSE.
+    pub relmse: f64,
+    /// Share of it that the worst thousandth of the pixels makes.
+    pub worst_share: f64,
+}
+
+impl ErrorEstimate {
+    /// Whether the error is at least that, and nobody knows by how much more: a few bright samples make most of it, and the next ones are
+    /// still missing.
+    pub fn is_at_least(&self) -> bool {
+        self.worst_share > HEAVY_TAIL
+    }
 }
 
 /// An image of linear RGB, row by row from the upper left.
@@ -154,18 +172,23 @@ impl Film {
     }
 
     /// The relMSE that the variance of the samples lets expect: the mean over pixels and channels of the mean's variance over
-    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown, and where samples hang together. A pixel's mean is large where its variance is, by
-    /// the same bright samples, so the estimate is low by a share that falls with the number of samples: in the Cornell box 26 %
-    /// at 16, 3 % at 128. (Means of neighbours in its place were 13 % low, medians and means of similar neighbours 55 % high.)
-    pub fn estimated_relmse(&self) -> Option<f64> {
+    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown, and where samples are correlated. A pixel's mean is large
+    /// where its variance is, by the same bright samples, so the estimate is low by a share that falls with the number of samples: in the
+    /// Cornell box 26 % at 16, 3 % at 128. (Means of neighbours in its place were 13 % low, medians and means of similar neighbours 55 %
+    /// high.)
+    pub fn error_estimate(&self) -> Option<ErrorEstimate> {
         if self.spp() < 2 || self.brightness.is_some() {
             return None;
         }
         let (mean, variance) = (self.mean(), self.mean_variance());
-        let terms = mean.pixels.iter().flatten().zip(variance.pixels.iter().flatten());
-        let sum: f64 =
-            terms.map(|(mean, variance)| f64::from(*variance) / (f64::from(*mean).powi(2) + RELATIVE_FLOOR)).sum();
-        Some(sum / (3 * mean.pixels.len().max(1)) as f64)
+        let pixel = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+            let channels = mean.iter().zip(variance);
+            channels.map(|(m, v)| f64::from(*v) / (f64::from(*m).powi(2) + RELATIVE_FLOOR)).sum::<f64>() / 3.0
+        };
+        let mut errors: Vec<f64> = mean.pixels.iter().zip(&variance.pixels).map(pixel).collect();
+        let sum: f64 = errors.iter().sum();
+        let worst_share = worst_share(&mut errors);
+        Some(ErrorEstimate { relmse: sum / errors.len().max(1) as f64, worst_share })
     }
 
     /// The fewest samples that any pixel has.

@@ -232,7 +232,7 @@ fn a_against_a() {
         different += usize::from(measure(&exact(), 5, 16, subjects).pairs[0].significant);
         let subjects = vec![Synthetic::new(0.5, 0.0, 0.01, trial), Synthetic::new(0.25, 0.0, 0.01, 100 + trial)];
         let pair = &measure(&exact(), 5, 16, subjects).pairs[0];
-        better += usize::from(pair.significant && pair.efficiency_ratio.contains(4.0));
+        better += usize::from(pair.significant && pair.efficiency.ratio.contains(4.0));
     }
     println!("A/A: {different} of 40 differ; a quarter of the variance: {better} of 40 found with 4 in the interval");
     assert!(different <= 2);

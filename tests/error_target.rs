@@ -26,7 +26,7 @@ fn the_error_is_what_was_asked_for() {
                 renderer.advance(stop.next()).unwrap();
             }
             let own = renderer.film().unwrap();
-            let stated = own.estimated_relmse().unwrap();
+            let stated = own.error_estimate().unwrap().relmse;
             assert!(stated <= TARGET && stated > 0.7 * TARGET, "{stated}");
             let error = compare(&own.mean(), &truth.image).unwrap().relmse - truth.relmse().unwrap();
             ratios.push(error / stated);

@@ -192,7 +192,7 @@ fn brightness_states_its_error() {
             println!("{technique}: {:.5}, stated error {:.2e}, ratio {ratio:.2}", of_mean.mean, expected.sqrt());
             // Of a variance over 96 seeds, four standard deviations of its root are 0.29.
             assert!((0.71..1.29).contains(&ratio), "{technique}: {ratio}");
-            assert!(films[0].estimated_relmse().is_none(), "samples that hang together tell no error");
+            assert!(films[0].error_estimate().is_none(), "samples that hang together tell no error");
         }
     });
 }

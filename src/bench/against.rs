@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::results::{Point, Results, Run, VariantResults};
-use super::stats::{Interval, SIGNIFICANCE, student_quantile};
+use super::stats::{CONFIDENCE, Interval, SIGNIFICANCE};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -95,7 +95,8 @@ fn changes(scene: &str, old: &VariantResults, new: &VariantResults, threshold: f
     }
     all.into_iter()
         .map(|(figure, before, after)| {
-            let (ratio, strict) = (ratio(&before, &after, 0.95), ratio(&before, &after, 1.0 - SIGNIFICANCE));
+            let strict = Interval::ratio(&before, &after, 1.0 - SIGNIFICANCE);
+            let ratio = Interval::ratio(&before, &after, CONFIDENCE);
             let significant = before.len() > 1 && after.len() > 1 && !strict.contains(1.0);
             let worse = if figure == Figure::Error { ratio.mean } else { 1.0 / ratio.mean };
             let regression = significant && worse > 1.0 + threshold;
@@ -110,22 +111,4 @@ fn most_common_spp(a: &VariantResults, b: &VariantResults) -> Option<u64> {
     let first: Vec<u64> = runs.next()?.points.iter().map(|point| point.spp).collect();
     let rest: Vec<&Run> = runs.collect();
     first.into_iter().rev().find(|spp| rest.iter().all(|run| run.points.iter().any(|point| point.spp == *spp)))
-}
-
-/// The ratio of the geometric means of two independent sets, new over old, with Welch's interval of the difference of their
-/// logarithms.
-fn ratio(old: &[f64], new: &[f64], confidence: f64) -> Interval {
-    let moments = |values: &[f64]| {
-        let logs: Vec<f64> = values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).collect();
-        let n = logs.len() as f64;
-        let mean = logs.iter().sum::<f64>() / n.max(1.0);
-        let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-        (mean, variance / n.max(1.0), (n - 1.0).max(1.0))
-    };
-    let ((a, va, fa), (b, vb, fb)) = (moments(old), moments(new));
-    let both = va + vb;
-    let freedom = if both > 0.0 { both * both / (va * va / fa + vb * vb / fb) } else { 1.0 };
-    let reach = student_quantile(0.5 + 0.5 * confidence, freedom.floor().max(1.0) as u32) * both.sqrt();
-    let difference = b - a;
-    Interval { mean: difference.exp(), low: (difference - reach).exp(), high: (difference + reach).exp() }
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::stats::Interval;
 use crate::error::{Error, Result};
+pub use crate::metrics::pixels::HEAVY_TAIL;
 use crate::reference::Certificate;
 
 /// The name and version of the schema.
@@ -137,8 +138,10 @@ pub struct VariantResults {
     /// Share of the relMSE that the worst thousandth of the pixels makes at the end of a run, the most of all runs: above
     /// [`HEAVY_TAIL`], few bright samples decide it.
     pub worst_share: f64,
-    /// Slope of log relMSE over log seconds: -1 for plain Monte Carlo.
+    /// Slope of log error over log seconds: -1 for plain Monte Carlo.
     pub slope: Interval,
+    /// Of which error: relMSE, or the median where few pixels decide that, as each rare bright sample makes a step of it.
+    pub slope_of: Figure,
     /// relMSE that more samples do not take away.
     pub floor: Floor,
     /// Mean of the image over that of the reference.
@@ -244,7 +247,7 @@ pub struct Point {
     pub estimated_relmse: Option<f64>,
 }
 
-/// One variant against the scene's first, run by run with the same seeds.
+/// One variant against the scene's first.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Pair {
     /// The variant.
@@ -259,7 +262,8 @@ pub struct Pair {
     pub median: Ratio,
     /// Its samples per second over the other's.
     pub speed_ratio: Interval,
-    /// The figure whose test fits the tails: relMSE, or the trimmed one where few pixels decide that of either variant.
+    /// The figure whose test fits the tails: relMSE; where few pixels decide that of either variant, only if it is significant and the
+    /// trimmed one lies the same way; else the trimmed one.
     pub decided_by: Figure,
     /// Whether the efficiencies differ by that figure.
     pub significant: bool,
@@ -268,9 +272,9 @@ pub struct Pair {
 /// A ratio of efficiencies with its test.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Ratio {
-    /// The ratio, a geometric mean over the seeds.
+    /// The ratio of the geometric means over the seeds.
     pub ratio: Interval,
-    /// Whether it differs from 1 at the 1 % level of a paired t-test of its logarithms.
+    /// Whether it differs from 1 at the 1 % level of Welch's test of the logarithms.
     pub significant: bool,
 }
 
@@ -285,9 +289,6 @@ pub enum Figure {
     /// Median of the pixels' squared relative errors.
     Median,
 }
-
-/// The share of the relMSE from which on a thousandth of the pixels decides it.
-pub const HEAVY_TAIL: f64 = 0.3;
 
 /// Images of all variants side by side.
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -53,6 +53,24 @@ impl Interval {
         Self { mean: mean.exp(), low: low.exp(), high: high.exp() }
     }
 
+    /// The ratio of the geometric means of two independent sets of positive values, the second over the first, with Welch's interval of the
+    /// difference of their logarithms (Welch 1947).
+    pub fn ratio(old: &[f64], new: &[f64], confidence: f64) -> Self {
+        let moments = |values: &[f64]| {
+            let logs: Vec<f64> = values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).collect();
+            let n = logs.len() as f64;
+            let mean = logs.iter().sum::<f64>() / n.max(1.0);
+            let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+            (mean, variance / n.max(1.0), (n - 1.0).max(1.0))
+        };
+        let ((a, va, fa), (b, vb, fb)) = (moments(old), moments(new));
+        let both = va + vb;
+        let freedom = if both > 0.0 { both * both / (va * va / fa + vb * vb / fb) } else { 1.0 };
+        let reach = student_quantile(0.5 + 0.5 * confidence, freedom.floor().max(1.0) as u32) * both.sqrt();
+        let difference = b - a;
+        Self { mean: difference.exp(), low: (difference - reach).exp(), high: (difference + reach).exp() }
+    }
+
     /// The interval once an independent normal error of this standard deviation, which all values share, is added.
     #[must_use]
     pub fn widened(self, deviation: f64) -> Self {

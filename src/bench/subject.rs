@@ -114,7 +114,7 @@ impl Subject for Lumbre {
             device_seconds: Some(seconds.device),
             rays: Some(self.renderer.rays()),
             nonfinite: film.nonfinite,
-            estimated_relmse: film.estimated_relmse(),
+            estimated_relmse: film.error_estimate().map(|estimate| estimate.relmse),
             image: film.mean(),
         })
     }

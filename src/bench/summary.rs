@@ -4,7 +4,7 @@ use super::results::{
     CurvePoint, Figure, Floor, HEAVY_TAIL, LEAST_ERROR, Pair, Point, Ratio, Row, Run, VariantResults,
 };
 use super::run::{Bench, Event, Variant};
-use super::stats::{Interval, SIGNIFICANCE, log_slope, squared_bias};
+use super::stats::{CONFIDENCE, Interval, SIGNIFICANCE, log_slope, squared_bias};
 use crate::error::Result;
 use crate::film::Image;
 
@@ -53,7 +53,9 @@ fn last_points(runs: &[Run]) -> Vec<&Point> {
 fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [f64; 2]) -> VariantResults {
     let last = last_points(runs);
     let over = |value: &dyn Fn(&Point) -> f64| last.iter().map(|point| value(point)).collect::<Vec<f64>>();
-    let slopes: Vec<f64> = runs.iter().filter_map(slope).collect();
+    let worst_share = last.iter().map(|point| point.worst_share).fold(0.0, f64::max);
+    let slope_of = if worst_share > HEAVY_TAIL { Figure::Median } else { Figure::Relmse };
+    let slopes: Vec<f64> = runs.iter().filter_map(|run| slope(run, slope_of)).collect();
     let rays: Option<Vec<f64>> =
         runs.iter().zip(&last).map(|(run, point)| run.rays.map(|rays| point.per_second(rays as f64))).collect();
     let estimates: Option<Vec<f64>> =
@@ -73,8 +75,9 @@ fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [
         efficiency: Interval::geometric(&over(&Point::efficiency)),
         trimmed_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Trimmed))),
         median_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Median))),
-        worst_share: last.iter().map(|point| point.worst_share).fold(0.0, f64::max),
+        worst_share,
         slope: Interval::of(&slopes),
+        slope_of,
         floor,
         energy_ratio: Interval::of(&over(&|point| point.energy_ratio)),
         estimate_ratio: estimates.map(|values| Interval::geometric(&values)),
@@ -85,10 +88,10 @@ fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [
 }
 
 /// The slope of a run's log error over log time, over the later half of its octaves: the first frames are overhead.
-fn slope(run: &Run) -> Option<f64> {
+fn slope(run: &Run, of: Figure) -> Option<f64> {
     let end = run.points.last()?.spp as f64;
     let late = run.points.iter().filter(|point| point.spp as f64 >= end.sqrt());
-    log_slope(late.map(|point| (point.seconds, point.relmse)))
+    log_slope(late.map(|point| (point.seconds, point.error(of))))
 }
 
 /// Means over the seeds, at each number of samples that all runs were looked at, and at their ends.
@@ -121,33 +124,39 @@ fn mean_point(points: &[&Point], [of_mse, of_relmse]: [f64; 2]) -> CurvePoint {
     }
 }
 
-/// Two variants, seed by seed.
+/// Two variants. Runs of one seed have no noise in common, as techniques draw different numbers, so they count as independent sets.
 fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
-    let ratios = |value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
-        let both = last_points(&variant.runs).into_iter().zip(last_points(&against.runs));
-        both.map(|(a, b)| value(a) / value(b)).collect()
+    let ends = |variant: &VariantResults, value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
+        last_points(&variant.runs).into_iter().map(value).collect()
     };
-    let by = |figure: Figure| Ratio::of(&ratios(&|point| point.efficiency_by(figure)));
+    let ratio = |value: &dyn Fn(&Point) -> f64| Ratio::of(&ends(against, value), &ends(variant, value));
+    let by = |figure: Figure| ratio(&|point| point.efficiency_by(figure));
     let (efficiency, trimmed, median) = (by(Figure::Relmse), by(Figure::Trimmed), by(Figure::Median));
     let is_heavy = variant.worst_share.max(against.worst_share) > HEAVY_TAIL;
-    let (decided_by, significant) =
-        if is_heavy { (Figure::Trimmed, trimmed.significant) } else { (Figure::Relmse, efficiency.significant) };
+    let alike = (efficiency.ratio.mean > 1.0) == (trimmed.ratio.mean > 1.0);
+    // Where few pixels decide the relMSE, one that says what the others deny says nothing.
+    let (decided_by, significant) = match (is_heavy, efficiency.significant) {
+        (false, significant) => (Figure::Relmse, significant),
+        (true, true) if alike => (Figure::Relmse, true),
+        (true, _) => (Figure::Trimmed, trimmed.significant),
+    };
     Pair {
         variant: variant.name.clone(),
         against: against.name.clone(),
         efficiency,
         trimmed,
         median,
-        speed_ratio: Interval::geometric(&ratios(&|point| point.per_second(point.spp as f64))),
+        speed_ratio: ratio(&|point| point.per_second(point.spp as f64)).ratio,
         decided_by,
         significant,
     }
 }
 
 impl Ratio {
-    /// Of ratios that were measured seed by seed.
-    fn of(ratios: &[f64]) -> Self {
-        let strict = Interval::geometric_with(ratios, 1.0 - SIGNIFICANCE);
-        Self { ratio: Interval::geometric(ratios), significant: ratios.len() > 1 && !strict.contains(1.0) }
+    /// Of two sets of independent figures, the second over the first.
+    fn of(against: &[f64], own: &[f64]) -> Self {
+        let strict = Interval::ratio(against, own, 1.0 - SIGNIFICANCE);
+        let significant = own.len() > 1 && against.len() > 1 && !strict.contains(1.0);
+        Self { ratio: Interval::ratio(against, own, CONFIDENCE), significant }
     }
 }

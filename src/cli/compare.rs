@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde::Serialize;
 
 use lumbre::error::{Error, Result};
 use lumbre::input::read_image;
-use lumbre::metrics::{compare, heat_map, heat_scale, same_size};
+use lumbre::metrics::{Comparison, compare, heat_map, heat_scale, same_size};
 use lumbre::output::{Format, Picture, check_writable, format_of, write_picture};
+use lumbre::reference::{Certificate, read_certificate};
 
 use super::print;
 use super::render::write_json;
@@ -29,6 +31,32 @@ pub(super) struct CompareArgs {
     json: Option<PathBuf>,
 }
 
+/// The figures, with what the reference says of itself.
+#[derive(Serialize)]
+struct Compared {
+    #[serde(flatten)]
+    compared: Comparison,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reference: Option<Known>,
+}
+
+/// What is known of a reference that has a certificate.
+#[derive(Serialize)]
+struct Known {
+    /// The relMSE without what the reference's own noise adds to it.
+    relmse_less_noise: f64,
+    /// Why it is not confirmed.
+    doubt: Option<String>,
+    certificate: Certificate,
+}
+
+impl Known {
+    fn of(certificate: Certificate, compared: &Comparison) -> Self {
+        let relmse_less_noise = compared.relmse - certificate.error.relmse.mean;
+        Self { relmse_less_noise, doubt: certificate.doubt(), certificate }
+    }
+}
+
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
     if let Some(path) = &args.heatmap {
         if format_of(path)? != Format::Png {
@@ -38,7 +66,9 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
     }
     let (image, reference) = (read_image(&args.image)?, read_image(&args.reference)?);
     same_size(&image, &reference)?;
-    let found = compare(&image, &reference)?;
+    let compared = compare(&image, &reference)?;
+    let found =
+        Compared { compared, reference: read_certificate(&args.reference)?.map(|known| Known::of(known, &compared)) };
     if let Some(path) = &args.heatmap {
         let scale = heat_scale(&image, &reference);
         let map = heat_map(&image, &reference, scale);
@@ -50,6 +80,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
     if let Some(path) = &args.json {
         return write_json(path, &found);
     }
+    let Compared { compared: found, reference: known } = found;
     print(&format!("mse           {:.6e}", found.mse));
     print(&format!("rmse          {:.6e}", found.rmse));
     print(&format!("relmse        {:.6e}", found.relmse));
@@ -58,5 +89,13 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
     print(&format!("energy ratio  {:.6}", found.energy_ratio));
     print(&format!("max abs       {:.6e}", found.max_abs));
     print(&format!("nonfinite     {}", found.nonfinite));
+    if let Some(known) = known {
+        let less = known.relmse_less_noise;
+        print(&format!("reference     by {}, {}", known.certificate.makers(), known.certificate.error_in_words()));
+        print(&format!("relmse        {less:.6e} without the reference's own noise"));
+        if let Some(doubt) = known.doubt {
+            print(&format!("warning       the reference is not confirmed: {doubt}"));
+        }
+    }
     Ok(())
 }

@@ -187,7 +187,7 @@ pub(super) fn print_certificate(certificate: &Certificate) {
     let error = &certificate.error;
     let index = error.tail_index.map_or(String::new(), |index| format!(", tail index {index:.1}"));
     print(&format!("           {:.0} % of it by a thousandth of the values{index}", 100.0 * error.largest_share));
-    for witness in certificate.witness.iter().chain(&certificate.dissent) {
+    for witness in certificate.witness.iter().chain(&certificate.others) {
         let verdict = if witness.differences.is_empty() { "no difference" } else { "differs" };
         print(&format!(
             "witness    {}, {:.0} spp, {:.1} s: {verdict} in {} tests; half of the tiles of 16x16 show {:.2} %",

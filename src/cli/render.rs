@@ -226,6 +226,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
+    if let (Some(light), Some(_), false) = (settings.technique.finds_by_chance(&scene), args.error, args.quiet) {
+        eprintln!(
+            "warning: {} finds {light} only by chance: --error does not see what of it was not met yet",
+            settings.technique.row.name
+        );
+    }
+
     let camera = scene.camera(settings.camera.as_deref())?.to_world.translation - scene.origin;
     let shows = settings.technique.row.misses.contains(&Missing::Unshowable);
     if shows && !args.quiet && scene.is_within_smooth_glass(camera) {

@@ -8,6 +8,25 @@ pub const WORST: f64 = 1e-3;
 /// Median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 
+/// The share of the sum of squared errors from which on the worst [`WORST`] of the pixels decide it.
+pub const HEAVY_TAIL: f64 = 0.3;
+
+/// How many pixels are the worst [`WORST`] of so many.
+fn worst(count: usize) -> usize {
+    ((WORST * count as f64).ceil() as usize).clamp(1, count.max(1))
+}
+
+/// Share of the sum of the pixels' squared errors that the worst [`WORST`] of them make. Their order changes.
+pub fn worst_share(errors: &mut [f64]) -> f64 {
+    let sum: f64 = errors.iter().sum();
+    if sum <= 0.0 {
+        return 0.0;
+    }
+    let from = errors.len() - worst(errors.len());
+    errors.select_nth_unstable_by(from, f64::total_cmp);
+    errors[from..].iter().sum::<f64>() / sum
+}
+
 /// What the squared relative errors of an image's pixels come to. The noise of the reference is taken off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelErrors {
@@ -53,8 +72,7 @@ pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) 
         return PixelErrors::default();
     }
     pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let worst = ((WORST * pixels.len() as f64).ceil() as usize).clamp(1, pixels.len());
-    let (most, tail) = pixels.split_at(pixels.len() - worst);
+    let (most, tail) = pixels.split_at(pixels.len() - worst(pixels.len()));
     let sum = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, noise)| error - noise).sum::<f64>();
     let errors = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, _)| error).sum::<f64>();
     let mut noises: Vec<f64> = pixels.iter().map(|(_, noise)| *noise).collect();

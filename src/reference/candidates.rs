@@ -30,7 +30,7 @@ impl Candidate {
     }
 }
 
-/// Every technique that accounts for `solves` in this scene and finds all of it.
+/// Every technique that accounts for `solves` in this scene and finds all of it; blurred ones only where they are needed.
 ///
 /// Full transport of paths of at most two segments is direct light; in a scene whose materials are all diffuse it is what radiosity
 /// solves. So techniques of full transport make those references too.
@@ -53,6 +53,10 @@ pub fn candidates(scene: &Scene, solves: Solves, settings: &Settings) -> Vec<Can
         if technique.misses(scene).is_none() {
             found.push(Candidate::new(technique, scene, max_depth));
         }
+    }
+    // Two that are unbiased and aim at all light need no third that is blurred.
+    if found.iter().filter(|candidate: &&Candidate| candidate.aims_at_all()).count() >= 2 {
+        found.retain(|candidate| !candidate.is_consistent);
     }
     // Where there is but one row, another form of it is better than nobody.
     if let [only] = found.as_slice()

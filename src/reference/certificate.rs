@@ -30,8 +30,8 @@ pub struct Certificate {
     pub error: OwnError,
     /// What an independent technique says; nothing where none could be asked.
     pub witness: Option<Witness>,
-    /// Others that were asked and differ, where two of three agree.
-    pub dissent: Vec<Witness>,
+    /// Others that were asked as well, some of which may differ: then two of three agree.
+    pub others: Vec<Witness>,
 }
 
 /// A technique that was tried for a moment.
@@ -90,6 +90,9 @@ pub struct Witness {
     pub seconds: f64,
     /// What it finds only by chance, in words: then it cannot confirm that this light is right.
     pub by_chance: Option<String>,
+    /// Tiles and channels in which it is darker beyond noise while it finds some of the light only by chance: there it confirms nothing, and
+    /// contradicts nothing.
+    pub unseen: u64,
     /// Tests that were made: tiles of all sizes x channels.
     pub tests: u64,
     /// The relative difference of a tile of 16 x 16 pixels that it would have seen, for half of the tiles.
@@ -127,7 +130,16 @@ impl Certificate {
         };
         let Some(first) = witness.differences.first() else {
             let blind = witness.by_chance.as_ref()?;
-            return Some(format!("its witness, {}, finds {blind} only by chance", witness.technique));
+            if witness.unseen > 0 {
+                let places = witness.unseen;
+                return Some(format!(
+                    "{} lacks light in {places} tiles, as it finds {blind} only by chance",
+                    witness.technique
+                ));
+            }
+            // One that aims at all light and agrees with it is enough.
+            let aims = self.makers.iter().any(|maker| maker.by_chance.is_none());
+            return (!aims).then(|| format!("nobody aimed at {blind}"));
         };
         let more = match witness.differences.len() {
             1 => String::new(),
@@ -136,8 +148,11 @@ impl Certificate {
         Some(format!("{} differs: {}{more}", witness.technique, first.describe()))
     }
 
-    /// What made it, in words: `bdpt`, `bdpt and path`.
+    /// What made it, in words: `bdpt`, `bdpt and path`; `somebody else` where it was given.
     pub fn makers(&self) -> String {
+        if self.makers.is_empty() {
+            return String::from("somebody else");
+        }
         crate::error::all_of(self.makers.iter().map(|maker| maker.technique.clone()))
     }
 
@@ -149,6 +164,19 @@ impl Certificate {
             return format!("relMSE at least {:.1e}{blur}", relmse.low);
         }
         format!("relMSE {:.1e} ({:.1e} to {:.1e}){blur}", relmse.mean, relmse.low, relmse.high)
+    }
+}
+
+impl Witness {
+    /// Why another technique is to be asked, in words; nothing where this one confirms the reference.
+    pub fn reason_to_ask(&self) -> Option<String> {
+        match (self.differences.first(), self.unseen) {
+            (Some(first), _) => Some(format!("{} differs, {}", self.technique, first.describe())),
+            (None, 0) => None,
+            (None, places) => {
+                Some(format!("{} lacks light in {places} tiles that it finds only by chance", self.technique))
+            }
+        }
     }
 }
 

@@ -39,10 +39,12 @@ const MOST_PIXELS: usize = 1 << 26;
 const LEAST_IMAGES: usize = 6;
 /// Seconds between two times that what was rendered is kept.
 const KEPT_EVERY: f64 = 20.0;
+/// Seconds of work from which on an interrupted reference is kept.
+const WORTH_KEEPING: f64 = 3.0;
 /// By how much more error a technique counts that finds some of the light only by chance, as it cannot say where the reference is too
 /// bright; and one whose blur has to be allowed for.
-const BY_CHANCE: f64 = 4.0;
-const BLURRED: f64 = 2.0;
+const BY_CHANCE: f64 = 2.0;
+const BLURRED: f64 = 3.0;
 /// Tiles of the map of differences, and the deviations that full colour stands for.
 const MAP_TILE: u32 = 4;
 const MAP_SCALE: f64 = 6.0;
@@ -103,7 +105,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
     (work.hear)(Step::Makes(&name, main))?;
     work.run(maker, main)?;
 
-    let mut dissent = Vec::new();
+    let mut others = Vec::new();
     let mut witness = None;
     if let Some(index) = work.best_witness(main, &[maker]) {
         let seconds = CHECKING / (1.0 - MAKING) * work.left();
@@ -113,24 +115,24 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
         let found = work.held_against(maker, index);
         witness = Some((index, found));
     }
-    // Where they differ a third one says who is right.
-    if let Some((second, found)) = witness.clone()
-        && let Some(first) = found.differences.first()
+    // Where they differ a third one says who is right, and where the witness may have missed light, what there is of it.
+    let reason = witness.as_ref().and_then(|(_, found)| found.reason_to_ask());
+    if let (Some((second, found)), Some(why)) = (witness.clone(), reason)
         && let Some(third) = work.best_witness(main, &[maker, second])
     {
         let name = work.name(third);
-        (work.hear)(Step::Asks(&name, first.describe()))?;
+        (work.hear)(Step::Asks(&name, why))?;
         let seconds = work.left().max(work.seconds(second));
         work.run(third, seconds)?;
         let of_maker = work.held_against(maker, third);
-        if of_maker.differences.is_empty() && of_maker.by_chance.is_none() {
-            dissent.push(found);
+        if of_maker.differences.is_empty() && of_maker.unseen == 0 {
+            others.push(found);
             witness = Some((third, of_maker));
-        } else if work.held_against(second, third).differences.is_empty() {
+        } else if !found.differences.is_empty() && work.held_against(second, third).reason_to_ask().is_none() {
             // Two against one: the better of them goes on from what it has.
             let agreeing = work.best(main, &|index| index == second || index == third).unwrap_or(second);
             let other = if agreeing == second { third } else { second };
-            dissent.push(work.held_against(agreeing, maker));
+            others.push(work.held_against(agreeing, maker));
             let name = work.name(agreeing);
             (work.hear)(Step::Makes(&name, main))?;
             work.run(agreeing, main)?;
@@ -138,10 +140,10 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
             let found = work.held_against(maker, other);
             witness = Some((other, found));
         } else if of_maker.differences.len() < found.differences.len() {
-            dissent.push(found);
+            others.push(found);
             witness = Some((third, of_maker));
         } else {
-            dissent.push(of_maker);
+            others.push(of_maker);
         }
     } else if work.left() > 0.0 {
         work.run(maker, work.seconds(maker) + work.left())?;
@@ -149,7 +151,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
             *found = work.held_against(maker, *index);
         }
     }
-    work.finish(maker, witness, dissent)
+    work.finish(maker, witness, others)
 }
 
 /// Has a reference that was given checked by the best technique that did not make it, and adds what came of it to what is known.
@@ -347,7 +349,7 @@ impl<'a> Work<'a> {
             }
             hear(Step::Share(((before + started.elapsed().as_secs_f64()) / budget).min(1.0)))
         });
-        if done.is_err() && before + started.elapsed().as_secs_f64() > KEPT_EVERY {
+        if done.is_err() && before + started.elapsed().as_secs_f64() > WORTH_KEEPING {
             keep(&series, all)?;
         }
         done?;
@@ -366,12 +368,12 @@ impl<'a> Work<'a> {
         hold_against((settings.width, settings.height), &own, other, &self.name(witness), kinds)
     }
 
-    /// The share of the witness in each pixel, by what the pilot has shown of both and the samples that they have: it does not depend on the
-    /// values that it weighs.
+    /// The share of the witness in each pixel, by the errors that the pilot lets expect of both after the seconds that they had: it does not
+    /// depend on the values that it weighs.
     fn shares(&self, maker: usize, witness: usize) -> Vec<f32> {
         let (width, height) = (self.request.settings.width, self.request.settings.height);
         let precision = |index: usize, tile: usize| {
-            self.seconds(index) / self.parts.tried[index].tiles[tile].max(f64::MIN_POSITIVE)
+            1.0 / self.parts.tried[index].expected_in(tile, self.seconds(index)).max(f64::MIN_POSITIVE)
         };
         let mut shares = vec![0.0; (width * height) as usize];
         for (number, tile) in Tile::all(width, height, TILE).enumerate() {
@@ -382,19 +384,16 @@ impl<'a> Work<'a> {
         shares
     }
 
-    fn finish(mut self, maker: usize, witness: Option<(usize, Witness)>, dissent: Vec<Witness>) -> Result<Truth> {
+    fn finish(mut self, maker: usize, witness: Option<(usize, Witness)>, others: Vec<Witness>) -> Result<Truth> {
         self.runner = None;
         let (width, height) = (self.request.settings.width, self.request.settings.height);
         let own = self.series(maker);
         let of_maker = |tile: Tile, channel: usize| TileMean::of_series(own, tile, channel);
         let map = witness.as_ref().map(|(index, _)| map_of((width, height), &of_maker, self.series(*index)));
-        // A witness that agrees and finds all light without blur is a part of the image as well.
+        // A witness that agrees becomes a part of the image, unless it would blur it.
         let joins = |(index, found): &&(usize, Witness)| {
-            let aims = |index: usize| self.candidates[index].aims_at_all();
-            found.differences.is_empty()
-                && aims(maker)
-                && aims(*index)
-                && self.series(*index).images.len() == own.images.len()
+            let blurs = self.series(*index).is_blurred && !own.is_blurred;
+            found.reason_to_ask().is_none() && !blurs && self.series(*index).images.len() == own.images.len()
         };
         let mut shares = vec![(maker, 1.0)];
         let mixed = match witness.as_ref().filter(joins) {
@@ -419,7 +418,7 @@ impl<'a> Work<'a> {
         };
         let makers = shares.iter().map(maker).collect();
         let truth = Truth::new(mixed.mean(), Some(mixed.variance()));
-        let certificate = self.certificate(makers, error, witness.map(|(_, found)| found), dissent);
+        let certificate = self.certificate(makers, error, witness.map(|(_, found)| found), others);
         Ok(truth.certified(certificate).with_difference_map(map))
     }
 
@@ -428,7 +427,7 @@ impl<'a> Work<'a> {
         makers: Vec<Maker>,
         error: OwnError,
         witness: Option<Witness>,
-        dissent: Vec<Witness>,
+        others: Vec<Witness>,
     ) -> Certificate {
         let mut pilots: Vec<&Tried> = self.parts.tried.iter().collect();
         pilots.sort_by(|a, b| a.expected(self.budget).total_cmp(&b.expected(self.budget)));
@@ -443,7 +442,7 @@ impl<'a> Work<'a> {
             makers,
             error,
             witness,
-            dissent,
+            others,
         }
     }
 }

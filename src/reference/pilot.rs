@@ -37,12 +37,17 @@ pub(super) struct Tried {
 impl Tried {
     /// The relMSE that it is expected to have after so many seconds.
     pub fn expected(&self, seconds: f64) -> f64 {
-        let lacking = if self.is_consistent {
-            self.pilot.lacking * (seconds / self.pilot.seconds).max(1.0).powf(BLUR_FALLS)
-        } else {
-            self.pilot.lacking
-        };
-        self.pilot.noise / seconds + lacking
+        self.pilot.noise / seconds + self.lacking(seconds)
+    }
+
+    /// The same in one tile.
+    pub fn expected_in(&self, tile: usize, seconds: f64) -> f64 {
+        self.tiles[tile] / seconds.max(f64::MIN_POSITIVE) + self.lacking(seconds)
+    }
+
+    fn lacking(&self, seconds: f64) -> f64 {
+        let falls = if self.is_consistent { (seconds / self.pilot.seconds).max(1.0).powf(BLUR_FALLS) } else { 1.0 };
+        self.pilot.lacking * falls
     }
 }
 

@@ -98,6 +98,7 @@ impl Series {
             images: self.images.iter().zip(&other.images).map(mix).collect(),
             samples: self.samples.clone(),
             seconds: self.seconds + other.seconds,
+            is_blurred: self.is_blurred || other.is_blurred,
             ..*self
         }
     }

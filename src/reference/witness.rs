@@ -54,7 +54,7 @@ pub fn hold_against(
     while sizes.last().is_some_and(|size| *size < width.max(height)) {
         sizes.push(sizes[sizes.len() - 1].saturating_mul(STEP));
     }
-    let (mut tests, mut found, mut detectable) = (0, Vec::new(), Vec::new());
+    let (mut tests, mut unseen, mut found, mut detectable) = (0, 0, Vec::new(), Vec::new());
     for size in &sizes {
         let count = 3 * Tile::all(width, height, *size).count();
         let level = sidak(sidak(ALPHA, sizes.len()), count);
@@ -68,7 +68,9 @@ pub fn hold_against(
                     let noise = own.variance + other.variance + own.blur + other.blur;
                     detectable.push(DETECTED * noise.sqrt() / own.mean.abs().max(RELATIVE_FLOOR));
                 }
-                if p < level && (deviations > 0.0 || kinds.of_witness.is_none()) {
+                if p < level && deviations < 0.0 && kinds.of_witness.is_some() {
+                    unseen += 1;
+                } else if p < level {
                     found.push((*tile, own.mean, other.mean, deviations));
                 }
             }
@@ -91,6 +93,7 @@ pub fn hold_against(
         spp: series.spp(),
         seconds: series.seconds,
         by_chance: kinds.of_witness.map(str::to_owned),
+        unseen,
         tests: tests as u64,
         detectable: detectable.get(detectable.len() / 2).copied().unwrap_or(0.0),
         differences: differences.collect(),

@@ -6,10 +6,13 @@ use crate::error::Result;
 /// Samples per pixel before the estimate is worth a look: below it is too low by more than a few per cent.
 const FIRST: u32 = 64;
 
-/// Watches a rendering's own estimate of its relMSE, [`crate::film::Film::estimated_relmse`].
+/// What an estimate that a few pixels decide must be, beside the error that is asked for.
+const FEW_DECIDE: f64 = 0.5;
+
+/// Watches a rendering's own estimate of its relMSE, [`crate::film::Film::error_estimate`].
 ///
 /// The estimate is the samples' variance, so it sees noise and no bias; and noise only as far as it has shown: where rare paths
-/// carry much of the light, it is too small until one of them was found. Looking again and again and stopping at the first good
+/// carry much of the light, it is too small until one of them was found. So one that a few pixels decide must be half as large. Looking again and again and stopping at the first good
 /// look is biased as well; looks are a seventh of the samples apart, which keeps that below the spread of the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorTarget {
@@ -39,7 +42,10 @@ impl ErrorTarget {
         if spp < self.next {
             return Ok(false);
         }
-        let is_reached = renderer.film()?.estimated_relmse().is_some_and(|estimate| estimate <= self.relmse);
+        let is_reached = renderer.film()?.error_estimate().is_some_and(|estimate| {
+            let enough = if estimate.is_at_least() { FEW_DECIDE * self.relmse } else { self.relmse };
+            estimate.relmse <= enough
+        });
         // Where it is, that stays where to look: what goes on from here ends here.
         if !is_reached {
             self.next = spp.saturating_add((spp / 7).max(1));

@@ -6,10 +6,10 @@ use std::time::Instant;
 use serde::Serialize;
 
 use lumbre::error::Result;
-use lumbre::film::{BadSample, Film, Image};
+use lumbre::film::{BadSample, ErrorEstimate, Film, Image};
 use lumbre::gpu::Gpu;
 use lumbre::output::{NamedLayer, Picture};
-use lumbre::render::{KernelSize, PatchReport, Renderer};
+use lumbre::render::{KernelSize, PatchReport, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
 
 use super::super::print;
@@ -42,6 +42,8 @@ pub(super) struct Report {
     mean: [f64; 3],
     kernels: Vec<KernelSize>,
     estimated_relmse: Option<f64>,
+    /// Why the error is at least that, rather than that; nothing where the estimate is to be trusted.
+    estimate_doubt: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     brightness: Option<Brightness>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,6 +81,7 @@ impl Report {
         let took = renderer.seconds();
         let samples: u64 = film.counts.iter().sum();
         let render = took.render.max(1e-9);
+        let estimate = film.error_estimate();
         Ok(Self {
             schema: "lumbre-render-1",
             scene: scene.source.display().to_string(),
@@ -111,7 +114,8 @@ impl Report {
             nonfinite_at: film.bad_samples.clone(),
             mean: film.average(),
             kernels: renderer.kernel_sizes(),
-            estimated_relmse: film.estimated_relmse(),
+            estimated_relmse: estimate.map(|estimate| estimate.relmse),
+            estimate_doubt: estimate.and_then(|estimate| doubt(&estimate, &settings.technique, scene)),
             brightness: film
                 .brightness
                 .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
@@ -129,6 +133,15 @@ impl Report {
         };
         fields.into_iter().map(|(name, value)| (format!("lumbre.{name}"), text(value))).collect()
     }
+}
+
+/// Why an error is at least as large as it is estimated to be; nothing where the estimate is to be trusted.
+fn doubt(estimate: &ErrorEstimate, technique: &Technique, scene: &Scene) -> Option<String> {
+    if let Some(light) = technique.finds_by_chance(scene) {
+        return Some(format!("{} finds {light} only by chance", technique.row.name));
+    }
+    let share = 100.0 * estimate.worst_share;
+    estimate.is_at_least().then(|| format!("a thousandth of the pixels makes {share:.0} % of its square"))
 }
 
 /// The image with the layers that were asked for.
@@ -181,7 +194,10 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
         (Some(found), _) => {
             format!("scaled by a brightness known to {:.2} %", 100.0 * found.standard_error / found.mean)
         }
-        (None, Some(error)) => format!("relative standard error of a pixel {:.3}", error.sqrt()),
+        (None, Some(error)) => match &report.estimate_doubt {
+            None => format!("relative standard error of a pixel {:.3}", error.sqrt()),
+            Some(why) => format!("relative standard error of a pixel at least {:.3}: {why}", error.sqrt()),
+        },
         (None, None) => String::from("relative standard error of a pixel unknown from one sample"),
     };
     print(&format!("mean       {r:.6} {g:.6} {b:.6}, {error}"));
