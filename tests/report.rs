@@ -89,6 +89,7 @@ fn variant(scene: usize, index: usize) -> VariantResults {
         median_efficiency: [around(3456.7), exact(f64::INFINITY), exact(f64::NAN)][index],
         worst_share: [0.01, 0.02, 0.875][index],
         slope: [around(-1.0), exact(f64::NAN), around(-0.4)][index],
+        slope_of: if index == 2 { Figure::Median } else { Figure::Relmse },
         floor: Floor {
             relmse: [-1e-5, 0.0, 0.09][index],
             deviation: 1e-4,
@@ -177,7 +178,7 @@ fn certificate() -> Certificate {
             at_least: false,
         },
         witness: Some(witness()),
-        dissent: vec![],
+        others: vec![],
     }
 }
 
@@ -187,6 +188,7 @@ fn witness() -> Witness {
         spp: 1234.0,
         seconds: 1.25,
         by_chance: None,
+        unseen: 0,
         tests: 9876,
         detectable: 0.0123,
         differences: vec![],
@@ -210,10 +212,11 @@ fn doubted() -> Certificate {
         error: OwnError { bias: 0.0, at_least: true, largest_share: 0.75, tail_index: Some(1.4), ..confirmed.error },
         witness: Some(Witness {
             by_chance: Some("hidden <caustics>".into()),
+            unseen: 17,
             differences: vec![difference(16, "glints & <co>"), difference(64, "caustics of small lights")],
             ..witness()
         }),
-        dissent: vec![Witness {
+        others: vec![Witness {
             technique: "photon <3>".into(),
             differences: vec![difference(48, "an edge")],
             ..witness()
@@ -323,6 +326,7 @@ fn in_earnest() -> Results {
             trimmed_efficiency: of(23_456.0 / scale),
             median_efficiency: of(34_567.0 / scale),
             worst_share: [0.0123, 0.456, 0.9876][index as usize % 3],
+            slope_of: [Figure::Relmse, Figure::Median, Figure::Median][index as usize % 3],
             slope: Interval { mean: -0.98, low: -1.23, high: -0.71 },
             floor: Floor { relmse: -1.23e-5, deviation: 4.56e-6, flagged: index % 2 == 1 },
             energy_ratio: Interval { mean: 1.0123, low: 0.9876, high: 1.0345 },
@@ -446,6 +450,7 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
         "so its variance may be infinite",
         "no difference beyond noise in 9\u{202f}876 tests",
         "differs beyond noise in 2 places",
+        "In 17 of them it lacks light",
         "finds hidden <caustics> only by chance",
         "photon <3>, ",
         "(48, 32) of 16 × 4",
@@ -492,6 +497,7 @@ fn the_summary_says_what_to_doubt() {
         // Few pixels decide the third variant: its efficiency and all that it is compared with go by the other figure.
         assert_eq!(scene.matches("few pixels decide").count(), 1);
         assert_eq!(scene.matches("by trimmed relMSE").count(), 3 + 1, "{scene}");
+        assert_eq!(scene.matches("of the median").count(), 1);
     }
     let by_figure = &page[page.find("Error that few pixels do not decide").unwrap()..];
     let by_figure = &by_figure[..by_figure.find("</table>").unwrap()];

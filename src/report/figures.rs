@@ -60,9 +60,9 @@ impl VariantResults {
 }
 
 impl SceneResults {
-    /// The figure of error that its variants are ordered by: relMSE, or the trimmed one where few pixels decide the relMSE of any of them.
+    /// The figure of error that its variants are ordered by: relMSE, or the trimmed one where that decides between any of them and the first.
     pub fn ordered_by(&self) -> Figure {
-        if self.variants.iter().any(VariantResults::is_heavy) { Figure::Trimmed } else { Figure::Relmse }
+        if self.pairs.iter().any(|pair| pair.decided_by == Figure::Trimmed) { Figure::Trimmed } else { Figure::Relmse }
     }
 
     /// The variants with their numbers, the most efficient first.

@@ -112,7 +112,7 @@ fn glossary(results: &Results) -> String {
         ),
         (
             "Witness, confirmed",
-            "the witness is another technique that renders the scene independently and is compared with the reference tile by tile, from single pixels to the whole image. The reference is confirmed if no tile differs beyond noise and the witness can find all light of the scene. Tests are so strict that of a hundred right references one is doubted. Where a reference is not confirmed, errors against it may be those of the reference.",
+            "the witness is another technique that renders the scene independently and is compared with the reference tile by tile, from single pixels to the whole image. The reference is confirmed if no tile differs beyond noise and one of the two can aim at all light of the scene. Tests are so strict that of a hundred right references one is doubted. Where a reference is not confirmed, errors against it may be those of the reference.",
         ),
         (
             "Own error, at least",
@@ -124,15 +124,15 @@ fn glossary(results: &Results) -> String {
         ),
         (
             "Efficiency",
-            "1 / (error × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs. The error is the relMSE; in scenes where few pixels decide that of any variant, it is the trimmed relMSE for all, and the table says so.",
+            "1 / (error × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs. The error is the relMSE; in scenes where the trimmed relMSE decides any ratio, it is the trimmed one for all variants, and the table says so.",
         ),
         (
             "Ratio, and which test decides",
-            "efficiency over that of the scene's first variant, run by run; significant where a paired t-test of the logarithms says so at the 1 % level. The test goes by relMSE; where few pixels decide the relMSE of either variant, such a test is worth little, and the one of the trimmed relMSE decides.",
+            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, it counts only if it is significant and the trimmed relMSE says the same; else the test of the trimmed relMSE decides.",
         ),
         (
             "Slope",
-            "of log relMSE over log seconds. Plain Monte Carlo has −1; above it, something that more samples do not cure: bias, or a noisy reference.",
+            "of log relMSE over log seconds; where few pixels decide the relMSE, of the median, as each rare bright sample makes a step of the relMSE. Plain Monte Carlo has −1; above it, something that more samples do not cure: bias, or a noisy reference.",
         ),
         (
             "Bias floor",

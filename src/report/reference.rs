@@ -131,7 +131,7 @@ fn facts(reference: &Reference, certificate: &Certificate) -> String {
         + &fact("Took", &took)
         + &fact("Own error", &own)
         + &fact("Witness", &witness)
-        + &certificate.dissent.iter().map(|other| fact("Also asked", &self::witness(other))).collect::<String>()
+        + &certificate.others.iter().map(|other| fact("Also asked", &self::witness(other))).collect::<String>()
 }
 
 fn made(maker: &Maker, of: usize) -> String {
@@ -157,8 +157,18 @@ fn witness(witness: &Witness) -> String {
         1 => format!("differs beyond noise in one place, of {tests} tests"),
         count => format!("differs beyond noise in {count} places, of {tests} tests"),
     };
+    let unseen = match witness.unseen {
+        0 => String::new(),
+        1 => String::from(
+            " In one of them it lacks light that it finds only by chance, which says nothing against the reference.",
+        ),
+        count => format!(
+            " In {} of them it lacks light that it finds only by chance, which says nothing against the reference.",
+            number::whole(count)
+        ),
+    };
     format!(
-        "{}, {} spp, {} s: <strong>{found}</strong>. In half of the tiles of 16 × 16 pixels it would have seen a difference of {} %{}.",
+        "{}, {} spp, {} s: <strong>{found}</strong>.{unseen} In half of the tiles of 16 × 16 pixels it would have seen a difference of {} %{}.",
         escape(&witness.technique),
         number::samples(witness.spp.round()),
         number::figure(witness.seconds),
@@ -223,7 +233,7 @@ fn mean(value: f64) -> String {
 
 /// Where its witness, and others that were asked, differ from it.
 fn differences(certificate: &Certificate) -> String {
-    let all: Vec<&Witness> = certificate.witness.iter().chain(&certificate.dissent).collect();
+    let all: Vec<&Witness> = certificate.witness.iter().chain(&certificate.others).collect();
     let rows = all.iter().flat_map(|witness| {
         witness.differences.iter().map(|found| {
             vec![

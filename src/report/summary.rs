@@ -234,7 +234,7 @@ fn overview(scene: &SceneResults, number: usize, variant: &VariantResults) -> Ve
         of(last.map(|point| &point.relmse)),
         of(last.map(|point| &point.seconds)),
         last.map_or_else(none, |point| number::samples(point.spp)),
-        fixed(&variant.slope, 2),
+        slope(variant),
         flags(variant),
     ]
 }
@@ -348,6 +348,14 @@ fn bias_mark(variant: &VariantResults) -> &'static str {
         (true, true) => " <small class=\"mark warning\">unexpected bias</small>",
         (false, _) => "",
     }
+}
+
+fn slope(variant: &VariantResults) -> String {
+    let of = match variant.slope_of {
+        Figure::Relmse => String::new(),
+        figure => format!(" <small class=\"mark\">of the {}</small>", figure.name()),
+    };
+    fixed(&variant.slope, 2) + &of
 }
 
 /// What is to be looked at before the figures of a variant are used, in a word or two each.

@@ -88,8 +88,12 @@ fn describe_reference(reference: &Reference) -> Vec<String> {
 
 /// What is to be known before a variant's figures are used.
 fn flags(variant: &VariantResults) -> String {
+    let slope = match variant.slope_of {
+        bench::Figure::Relmse => String::new(),
+        figure => format!(", slope of the {}", figure.name()),
+    };
     let heavy = if variant.is_heavy() {
-        format!("  few pixels decide: a thousandth makes {:.0} % of the relMSE", 100.0 * variant.worst_share)
+        format!("  few pixels decide: a thousandth makes {:.0} % of the relMSE{slope}", 100.0 * variant.worst_share)
     } else {
         String::new()
     };
