@@ -9,10 +9,11 @@ use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use lumbre::bench::results::{
-    Cell, CurvePoint, Device, Floor, Pair, Point, Reference, Results, Row, Run, SCHEMA, SceneResults, Setup,
-    VariantResults,
+    Cell, CurvePoint, Device, Figure, Floor, Pair, Point, Ratio, Reference, Results, Row, Run, SCHEMA, SceneResults,
+    Setup, VariantResults,
 };
 use lumbre::bench::stats::Interval;
+use lumbre::reference::{self, Certificate, Difference, Maker, OwnError, Pilot, Witness};
 use lumbre::report::{CSV_COLUMNS, write};
 
 /// Names that break a page or a table which does not escape them.
@@ -21,6 +22,16 @@ const VARIANTS: [&str; 3] = [
     "</script><!-- it's, \n<b>two lines</b>",
     "a_name_without_any_place_to_break_it_that_is_longer_than_a_phone_is_wide",
 ];
+
+trait Scaled {
+    fn scaled(self, factor: f64) -> Self;
+}
+
+impl Scaled for Interval {
+    fn scaled(self, factor: f64) -> Self {
+        Self { mean: factor * self.mean, low: factor * self.low, high: factor * self.high }
+    }
+}
 
 fn exact(mean: f64) -> Interval {
     Interval { mean, low: mean, high: mean }
@@ -36,6 +47,8 @@ fn point(spp: f64, seconds: f64, relmse: Interval, has_clock: bool) -> CurvePoin
         seconds: around(seconds),
         device_seconds: has_clock.then(|| around(0.9 * seconds)),
         relmse,
+        trimmed_relmse: relmse.scaled(0.8),
+        median_relmse: relmse.scaled(0.3),
         mse: Interval { mean: 0.5 * relmse.mean, low: -1e-3, high: relmse.high },
         mape: exact(relmse.mean.abs().sqrt()),
         flip: exact(0.0),
@@ -72,7 +85,11 @@ fn variant(scene: usize, index: usize) -> VariantResults {
         device_bytes: (index != 1).then_some(3 << 20),
         curve,
         efficiency: [around(1234.5), exact(f64::INFINITY), exact(f64::NAN)][index],
+        trimmed_efficiency: [around(2345.6), exact(f64::INFINITY), exact(f64::NAN)][index],
+        median_efficiency: [around(3456.7), exact(f64::INFINITY), exact(f64::NAN)][index],
+        worst_share: [0.01, 0.02, 0.875][index],
         slope: [around(-1.0), exact(f64::NAN), around(-0.4)][index],
+        slope_of: if index == 2 { Figure::Median } else { Figure::Relmse },
         floor: Floor {
             relmse: [-1e-5, 0.0, 0.09][index],
             deviation: 1e-4,
@@ -101,6 +118,9 @@ fn end_of_run(relmse: f64, estimated_relmse: Option<f64>) -> Point {
         device_seconds: None,
         mse: relmse,
         relmse,
+        trimmed_relmse: relmse,
+        median_relmse: relmse,
+        worst_share: 0.02,
         mape: 0.1,
         flip: 0.1,
         energy_ratio: 1.0,
@@ -109,12 +129,99 @@ fn end_of_run(relmse: f64, estimated_relmse: Option<f64>) -> Point {
 }
 
 fn pair(index: usize, significant: bool) -> Pair {
+    // The third variant's relMSE is decided by few pixels, so the trimmed figure decides, and says otherwise.
+    let (decided_by, ratio) =
+        if index == 1 { (Figure::Relmse, exact(f64::INFINITY)) } else { (Figure::Trimmed, around(0.5)) };
     Pair {
         variant: VARIANTS[index].into(),
         against: VARIANTS[0].into(),
-        efficiency_ratio: if index == 1 { exact(f64::INFINITY) } else { around(0.5) },
+        efficiency: Ratio { ratio, significant: index == 1 && significant },
+        trimmed: Ratio { ratio: around(35.5), significant },
+        median: Ratio { ratio: around(44.4), significant: false },
         speed_ratio: exact(0.0),
+        decided_by,
         significant,
+    }
+}
+
+/// A reference that another technique confirmed.
+fn certificate() -> Certificate {
+    Certificate {
+        schema: reference::SCHEMA.into(),
+        scene: "scenes/a \"b\".xml".into(),
+        budget: 5.0,
+        seconds: 4.5,
+        pilot_seconds: 0.75,
+        pilots: [("bdpt <1>", 1e-4, 0.0, None), ("path", 2e-4, 3e-5, Some("caustics & <co>"))]
+            .map(|(technique, noise, lacking, by_chance)| Pilot {
+                technique: technique.into(),
+                seconds: 0.25,
+                noise,
+                lacking,
+                by_chance: by_chance.map(String::from),
+            })
+            .to_vec(),
+        makers: [("bdpt <1>", 0.75, None), ("path", 0.25, Some("caustics & <co>"))]
+            .map(|(technique, share, by_chance)| Maker {
+                technique: technique.into(),
+                spp: 65_536.0 * share,
+                seconds: 3.5 * share,
+                share,
+                by_chance: by_chance.map(String::from),
+            })
+            .to_vec(),
+        error: OwnError {
+            relmse: Interval { mean: 1.25e-3, low: 1.0e-3, high: 1.5e-3 },
+            bias: 2.5e-4,
+            largest_share: 0.02,
+            tail_index: Some(4.5),
+            at_least: false,
+        },
+        witness: Some(witness()),
+        others: vec![],
+    }
+}
+
+fn witness() -> Witness {
+    Witness {
+        technique: "vcm <2>".into(),
+        spp: 1234.0,
+        seconds: 1.25,
+        by_chance: None,
+        unseen: 0,
+        tests: 9876,
+        detectable: 0.0123,
+        differences: vec![],
+    }
+}
+
+/// One that is doubted: its witness differs, others differ too, and few bright samples decide its own error.
+fn doubted() -> Certificate {
+    let difference = |x: u32, likely: &str| Difference {
+        x,
+        y: 32,
+        width: 16,
+        height: 4,
+        reference: 0.5234,
+        witness: 0.6145,
+        deviations: 7.25,
+        likely: likely.into(),
+    };
+    let confirmed = certificate();
+    Certificate {
+        error: OwnError { bias: 0.0, at_least: true, largest_share: 0.75, tail_index: Some(1.4), ..confirmed.error },
+        witness: Some(Witness {
+            by_chance: Some("hidden <caustics>".into()),
+            unseen: 17,
+            differences: vec![difference(16, "glints & <co>"), difference(64, "caustics of small lights")],
+            ..witness()
+        }),
+        others: vec![Witness {
+            technique: "photon <3>".into(),
+            differences: vec![difference(48, "an edge")],
+            ..witness()
+        }],
+        ..confirmed
     }
 }
 
@@ -133,7 +240,25 @@ fn row(at: f64, picture: &str) -> Row {
     Row { at, cells: VARIANTS.iter().map(cell).collect() }
 }
 
-const PICTURES: [&str; 5] = ["reference.png", "time.png", "spp.png", "pictures/crop & part.png", "heat.png"];
+const PICTURES: [&str; 6] =
+    ["reference.png", "time.png", "spp.png", "pictures/crop & part.png", "heat.png", "difference.png"];
+
+/// The first scene's is confirmed and was made; the second one's was given, and is doubted.
+fn reference(index: usize) -> Reference {
+    let certificate = [certificate(), doubted()][index].clone();
+    Reference {
+        image: "reference.exr".into(),
+        picture: "reference.png".into(),
+        origin: ["made", "given: a <file>.exr"][index].into(),
+        technique: Some(certificate.makers()),
+        spp: Some(65_536),
+        relmse: (index == 0).then_some(1e-6),
+        seconds: 4.5,
+        doubt: certificate.doubt(),
+        certificate: Some(certificate),
+        difference_map: (index == 1).then(|| "difference.png".into()),
+    }
+}
 
 fn scene(index: usize) -> SceneResults {
     SceneResults {
@@ -144,14 +269,7 @@ fn scene(index: usize) -> SceneResults {
         max_depth: -1,
         triangles: 1_234_567,
         lights: 1,
-        reference: Reference {
-            image: "reference.exr".into(),
-            picture: "reference.png".into(),
-            origin: ["made", "given"][index].into(),
-            technique: (index == 0).then(|| "path".into()),
-            spp: (index == 0).then_some(65_536),
-            relmse: (index == 0).then_some(1e-6),
-        },
+        reference: reference(index),
         variants: (0..3).map(|number| variant(index, number)).collect(),
         pairs: vec![pair(1, true), pair(2, false)],
         equal_time: Some(row(0.5, "time.png")),
@@ -179,6 +297,71 @@ fn results() -> Results {
     }
 }
 
+/// Names and figures as they are in earnest: five variants with options, figures of all sizes.
+fn in_earnest() -> Results {
+    const NAMES: [&str; 5] = [
+        "path on bvh",
+        "path on bvh, lights=tree",
+        "path on ray-query, sampler=sobol",
+        "bdpt on bvh, no-specialise",
+        "photon radius=0.0125 on ray-query, lights=power",
+    ];
+    let of = |mean: f64| Interval { mean, low: 0.0763 * mean, high: 12.9 * mean };
+    let variants = NAMES.iter().zip(0..).map(|(name, index)| {
+        let scale = 10f64.powi(index - 3) * 1.2345;
+        let error = Interval { mean: -1.25e-5 * scale, low: -3.5e-3 * scale, high: 2.75e-3 * scale };
+        let mut found = variant(0, 0);
+        let mut last = point(123_456.0, 12.345, error, true);
+        (last.trimmed_relmse, last.median_relmse) = (of(1.23e-4 * scale), of(4.56e-5 * scale));
+        found.curve.push(last);
+        VariantResults {
+            name: (*name).into(),
+            renderer: "lumbre 0.1.0".into(),
+            technique: name.split(" on ").next().unwrap().into(),
+            backend: "ray-query".into(),
+            options: vec!["lights=power".into(), "no-specialise".into()],
+            bias: "blurs within a radius that becomes smaller as there are more samples".into(),
+            setup: Setup { load: 0.0123, build: 12.34, compile: 123.4 },
+            efficiency: of(12_345.0 / scale),
+            trimmed_efficiency: of(23_456.0 / scale),
+            median_efficiency: of(34_567.0 / scale),
+            worst_share: [0.0123, 0.456, 0.9876][index as usize % 3],
+            slope_of: [Figure::Relmse, Figure::Median, Figure::Median][index as usize % 3],
+            slope: Interval { mean: -0.98, low: -1.23, high: -0.71 },
+            floor: Floor { relmse: -1.23e-5, deviation: 4.56e-6, flagged: index % 2 == 1 },
+            energy_ratio: Interval { mean: 1.0123, low: 0.9876, high: 1.0345 },
+            samples_per_s: of(1.234e7),
+            rays_per_s: Some(of(1.234e8)),
+            device_bytes: Some(1_234_567_890),
+            ..found
+        }
+    });
+    let pair = |(index, name): (usize, &&str)| {
+        let ratio = |mean: f64| Ratio { ratio: of(mean), significant: index % 2 == 0 };
+        let scale = 10f64.powi(index as i32 - 3);
+        Pair {
+            variant: (*name).into(),
+            against: NAMES[0].into(),
+            efficiency: ratio(1.234 * scale),
+            trimmed: ratio(2.345 * scale),
+            median: ratio(3.456 * scale),
+            speed_ratio: of(1.234),
+            decided_by: [Figure::Relmse, Figure::Trimmed][index % 2],
+            significant: index % 2 == 0,
+        }
+    };
+    let pairs: Vec<Pair> = NAMES.iter().enumerate().skip(1).map(pair).collect();
+    let scenes = [0, 1].map(|index| SceneResults {
+        name: ["cornell", "caustic_small_light"][index].into(),
+        variants: variants.clone().collect(),
+        pairs: pairs.clone(),
+        equal_time: None,
+        equal_spp: None,
+        ..scene(index)
+    });
+    Results { scenes: scenes.into(), ..results() }
+}
+
 /// A folder with the pictures, each of its own colour.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -191,7 +374,11 @@ fn folder() -> tempfile::TempDir {
 }
 
 fn page(folder: &Path) -> String {
-    write(folder, &results()).unwrap();
+    page_of(folder, &results())
+}
+
+fn page_of(folder: &Path, results: &Results) -> String {
+    write(folder, results).unwrap();
     std::fs::read_to_string(folder.join("index.html")).unwrap()
 }
 
@@ -242,7 +429,8 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
     // Each picture once, though the reference, the crop and the heat map are shown several times.
     assert_eq!(page.matches("data:image/png;base64,").count(), PICTURES.len());
     let uses = document.descendants().filter(|node| node.tag_name().name() == "use").count();
-    assert_eq!(uses, 2 + 3 * 3 * 3);
+    // Two references, a difference map, three rows of three variants with three views each.
+    assert_eq!(uses, 2 + 1 + 3 * 3 * 3);
 
     // What the results say is there as text, not as markup.
     let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
@@ -255,6 +443,20 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
         "Biased: clamps <everything> & more",
         "unexpected bias",
         "of the true one; within 15 % in 1 of 2 runs",
+        "A thousandth of the pixels makes 88 % of the relMSE",
+        "bdpt <1>, 49\u{202f}152 spp, 2.62 s, 75 % of the image",
+        "relMSE 1.3e-3 (1.0e-3 to 1.5e-3), and blur of at most 2.5e-4",
+        "relMSE at least 1.0e-3",
+        "so its variance may be infinite",
+        "no difference beyond noise in 9\u{202f}876 tests",
+        "differs beyond noise in 2 places",
+        "In 17 of them it lacks light",
+        "finds hidden <caustics> only by chance",
+        "photon <3>, ",
+        "(48, 32) of 16 × 4",
+        "glints & <co>",
+        "Where the witness differs",
+        "Techniques that were tried for it",
         "lumbre bench 'a <b>.xml' && true",
     ] {
         assert!(says(text), "{text} is not in the page");
@@ -280,6 +482,47 @@ fn the_most_efficient_variant_comes_first() {
     assert!(places.is_sorted(), "{places:?}");
 }
 
+/// What is not to be believed says so beside the figures: in the table, not only at the reference.
+#[test]
+fn the_summary_says_what_to_doubt() {
+    let folder = folder();
+    let page = page(folder.path());
+    let table = &page[page.find("<table class=\"summary\"").unwrap()..];
+    let table = &table[..table.find("</table>").unwrap()];
+    let (first, second) = table.split_at(table.find("href=\"#scene-1\"").unwrap());
+    for (scene, is_doubted) in [(first, false), (second, true)] {
+        assert_eq!(scene.contains("Reference not confirmed: vcm &lt;2&gt; differs: tile (16, 32)"), is_doubted);
+        // In the cell of each ratio.
+        assert_eq!(scene.matches(" reference</small>").count(), if is_doubted { 2 } else { 0 });
+        // Few pixels decide the third variant: its efficiency and all that it is compared with go by the other figure.
+        assert_eq!(scene.matches("few pixels decide").count(), 1);
+        assert_eq!(scene.matches("by trimmed relMSE").count(), 3 + 1, "{scene}");
+        assert_eq!(scene.matches("of the median").count(), 1);
+    }
+    let by_figure = &page[page.find("Error that few pixels do not decide").unwrap()..];
+    let by_figure = &by_figure[..by_figure.find("</table>").unwrap()];
+    assert_eq!(by_figure.matches(">decides</small>").count(), 2 * 2);
+    let heading = &page[page.find("<h2 id=\"scene-1\"").unwrap()..];
+    assert!(heading[..heading.find("<dl").unwrap()].contains("Reference not confirmed"));
+}
+
+/// The reference's own error is a line in the charts of relMSE and, where few samples do not decide it, of its trimmed sister; where it has
+/// no place there, the caption says so.
+#[test]
+fn charts_show_the_own_error_of_the_reference() {
+    let folder = folder();
+    let page = page(folder.path());
+    let lines = |page: &str| page.matches("<g class=\"level\">").count();
+    assert_eq!((lines(&page), page.matches("own error, at least").count()), (2 * 2 * 2 + 2 * 2, 2 * 2));
+    let mut results = results();
+    for scene in &mut results.scenes {
+        let error = &mut scene.reference.certificate.as_mut().unwrap().error;
+        (error.relmse, error.bias, error.at_least) = (exact(1e-9), 0.0, false);
+    }
+    let page = page_of(folder.path(), &results);
+    assert_eq!((lines(&page), page.matches("own error, 1.00·10⁻⁹, is far below this axis.").count()), (0, 2 * 2 * 2));
+}
+
 #[test]
 fn charts_hold_only_numbers_within_their_frame() {
     let folder = folder();
@@ -291,8 +534,8 @@ fn charts_hold_only_numbers_within_their_frame() {
         .descendants()
         .filter(|node| node.attribute("class").is_some_and(|class| class.starts_with("chart ")))
         .collect();
-    // Two scenes, two widths: three errors over two axes (FLIP is 0 throughout), and the kernels.
-    assert_eq!(charts.len(), 2 * 2 * (3 * 2 + 1));
+    // Two scenes, two widths: five errors over two axes (FLIP is 0 throughout), and the kernels.
+    assert_eq!(charts.len(), 2 * 2 * (5 * 2 + 1));
     let mut markers = 0;
     for chart in charts {
         let view: Vec<f64> = chart.attribute("viewBox").unwrap().split(' ').map(|n| n.parse().unwrap()).collect();
@@ -310,9 +553,9 @@ fn charts_hold_only_numbers_within_their_frame() {
             markers += usize::from(node.attribute("class") == Some("marker"));
         }
     }
-    // 6 points of the first variant, 1 of the second, of the third those that are positive and finite: 2 of 6 as relMSE and
-    // RMSE, 3 as MAPE, whose mean is here the root of a magnitude; over time in kernels 6 and 6.
-    assert_eq!(markers, 2 * 2 * (2 * (9 + 9 + 10) + 12));
+    // 6 points of the first variant, 1 of the second, of the third those that are positive and finite: 2 of 6 as relMSE,
+    // trimmed, median and RMSE, 3 as MAPE, whose mean is here the root of a magnitude; over time in kernels 6 and 6.
+    assert_eq!(markers, 2 * 2 * (2 * (4 * 9 + 10) + 12));
     assert_eq!(page.matches("there is no positive figure to draw").count(), 4);
 }
 
@@ -362,6 +605,8 @@ fn the_table_reads_back() {
                     ("seconds", Some(point.seconds)),
                     ("device_seconds", point.device_seconds),
                     ("relmse", Some(point.relmse)),
+                    ("trimmed_relmse", Some(point.trimmed_relmse)),
+                    ("median_relmse", Some(point.median_relmse)),
                     ("mse", Some(point.mse)),
                     ("mape", Some(point.mape)),
                     ("flip", Some(point.flip)),
@@ -494,23 +739,46 @@ fn found_in_chromium(chromium: &str, page: &str) -> String {
     panic!("the page was not used within {} s", PATIENCE.as_secs());
 }
 
-/// What the page does in headless Chromium. Where there is no Chromium this says so and passes, unless
-/// `LUMBRE_TEST_CHROMIUM=required`.
+/// Where Chromium is. Where there is none this says so, unless `LUMBRE_TEST_CHROMIUM=required`: then the test fails.
+fn chromium() -> Option<&'static str> {
+    const CHROMIUM: &str = "/usr/bin/chromium";
+    if Path::new(CHROMIUM).exists() {
+        return Some(CHROMIUM);
+    }
+    let required = std::env::var("LUMBRE_TEST_CHROMIUM").as_deref() == Ok("required");
+    assert!(!required, "there is no {CHROMIUM}, and LUMBRE_TEST_CHROMIUM=required asks for it");
+    eprintln!("skipped: there is no {CHROMIUM}");
+    None
+}
+
+/// A page that holds others as the value `name` of a script, which goes on with `script`.
+fn holding(name: &str, value: &impl serde::Serialize, script: &str) -> String {
+    let value = serde_json::to_string(value).unwrap().replace('<', "\\u003c");
+    format!("<!DOCTYPE html><meta charset=\"utf-8\"><body><script>const {name} = {value};{script}</script>")
+}
+
+/// Measures the pages of `texts` and posts what does not fit.
+const FIT: &str = include_str!("report/fit.js");
+
+/// No table is wider than its page, be it a small window or a phone: nothing is to be scrolled sideways.
+#[test]
+fn every_table_fits_its_page() {
+    let Some(chromium) = chromium() else { return };
+    let folder = folder();
+    let texts = [results(), in_earnest()].map(|results| page_of(folder.path(), &results));
+    let found = found_in_chromium(chromium, &holding("texts", &texts, FIT));
+    assert_eq!(found.lines().count(), 4, "{found}");
+    for line in found.lines() {
+        assert!(line.ends_with(" tables: fits"), "{found}");
+    }
+}
+
+/// What the page does in headless Chromium.
 #[test]
 fn the_page_works_in_a_browser() {
-    const CHROMIUM: &str = "/usr/bin/chromium";
-    if !Path::new(CHROMIUM).exists() {
-        let required = std::env::var("LUMBRE_TEST_CHROMIUM").as_deref() == Ok("required");
-        assert!(!required, "there is no {CHROMIUM}, and LUMBRE_TEST_CHROMIUM=required asks for it");
-        eprintln!("skipped: there is no {CHROMIUM}");
-        return;
-    }
+    let Some(chromium) = chromium() else { return };
     let folder = folder();
-    let text = serde_json::to_string(&page(folder.path())).unwrap().replace('<', "\\u003c");
-    let used = found_in_chromium(
-        CHROMIUM,
-        &format!("<!DOCTYPE html><meta charset=\"utf-8\"><body><script>const text = {text};{PROBE}</script>"),
-    );
+    let used = found_in_chromium(chromium, &holding("text", &page(folder.path()), PROBE));
     let (wide, narrow) = used.split_once('|').unwrap_or_else(|| panic!("the page in a browser: {used}"));
     for (found, width, kind) in [(wide, 1280, "wide"), (narrow, 390, "narrow")] {
         let figure = |name: &str| {

@@ -194,6 +194,7 @@ impl Sheet {
                 y,
                 series: series.collect(),
                 guide: Some(Guide { slope: guide.0, through: Through::BestEnd, label }),
+                levels: Vec::new(),
             };
             self.html += &format!("<div lang=\"{lang}\">{}</div>\n", chart.draw());
         }

@@ -22,6 +22,17 @@ pub struct Chart<'a> {
     pub series: Vec<Series<'a>>,
     /// A straight line to compare them with.
     pub guide: Option<Guide<'a>>,
+    /// Values that all curves are read against. One that is less than a decade beyond the vertical axis extends it; of one that is
+    /// farther away the caption says where it is.
+    pub levels: Vec<Level<'a>>,
+}
+
+/// A value that has a horizontal line of its own.
+pub struct Level<'a> {
+    /// The value.
+    pub value: f64,
+    /// What stands at the line.
+    pub label: &'a str,
 }
 
 /// A curve.
@@ -84,6 +95,10 @@ const BOTTOM: f64 = 50.0;
 /// Distance that labels keep from each other, horizontally and vertically.
 const LABEL_WIDTH: f64 = 42.0;
 const LABEL_HEIGHT: f64 = 20.0;
+/// How far a level may extend the vertical axis, in decades.
+const LEVEL_ROOM: f64 = 1.0;
+/// Room that a level's label needs above its line.
+const LEVEL_LABEL: f64 = 18.0;
 /// A guide line shorter than this has no room for its label.
 const LEAST_GUIDE: f64 = 200.0;
 
@@ -102,20 +117,56 @@ impl Chart<'_> {
             return format!("<p class=\"empty\">{}: there is no positive figure to draw.</p>\n", escape(self.y));
         };
         let lost = self.series.iter().flat_map(|series| &series.points).filter(|spot| !spot.drawable()).count();
-        let caption = match lost {
-            0 => String::new(),
-            1 => String::from("<figcaption>One point is not positive and finite, and is not drawn.</figcaption>\n"),
-            _ => format!("<figcaption>{lost} points are not positive and finite, and are not drawn.</figcaption>\n"),
+        let mut sentences: Vec<String> = self.levels_out_of_reach();
+        match lost {
+            0 => {}
+            1 => sentences.push(String::from("One point is not positive and finite, and is not drawn.")),
+            _ => sentences.push(format!("{lost} points are not positive and finite, and are not drawn.")),
+        }
+        let caption = match sentences.is_empty() {
+            true => String::new(),
+            false => format!("<figcaption>{}</figcaption>\n", escape(&sentences.join(" "))),
         };
         format!("<figure class=\"plot\">\n{drawings}{caption}</figure>\n")
     }
 
+    fn spots(&self) -> impl Iterator<Item = &Spot> + Clone {
+        self.series.iter().flat_map(|series| &series.points).filter(|spot| spot.drawable())
+    }
+
+    /// The vertical axis between two places, extended to the levels that are near enough.
+    fn vertical(&self, from: f64, to: f64) -> Option<LogScale> {
+        let axis = LogScale::around(self.spots().map(|spot| &spot.y), from, to)?;
+        Some(self.levels.iter().fold(axis, |extended, level| {
+            // Near enough is what is near the curves, not near another level.
+            if axis.reaches(level.value, LEVEL_ROOM) { extended.extended(level.value) } else { extended }
+        }))
+    }
+
+    /// A sentence for each level that has no line.
+    fn levels_out_of_reach(&self) -> Vec<String> {
+        let Some(axis) = self.vertical(0.0, 1.0) else { return Vec::new() };
+        let beyond = self.levels.iter().filter(|level| !axis.reaches(level.value, 0.0));
+        let sentence = |level: &Level| {
+            let value = number::figure(level.value);
+            match level.value {
+                value_at if !drawable(value_at) => {
+                    format!("{}: {value}, which has no place on this axis.", capital(level.label))
+                }
+                value_at if value_at < axis.ends().0 => {
+                    format!("{}, {value}, is far below this axis.", capital(level.label))
+                }
+                _ => format!("{}, {value}, is far above this axis.", capital(level.label)),
+            }
+        };
+        beyond.map(sentence).collect()
+    }
+
     fn drawing(&self, frame: Frame) -> Option<String> {
-        let spots = || self.series.iter().flat_map(|series| &series.points).filter(|spot| spot.drawable());
         let plane = Plane {
             frame,
-            x: LogScale::around(spots().map(|spot| &spot.x), LEFT, frame.width - RIGHT)?,
-            y: LogScale::around(spots().map(|spot| &spot.y), frame.height - BOTTOM, TOP)?,
+            x: LogScale::around(self.spots().map(|spot| &spot.x), LEFT, frame.width - RIGHT)?,
+            y: self.vertical(frame.height - BOTTOM, TOP)?,
         };
         let mut svg = format!(
             "<svg class=\"chart {}\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
@@ -131,6 +182,9 @@ impl Chart<'_> {
         }
         for series in &self.series {
             svg += &plane.series(series);
+        }
+        for level in self.levels.iter().filter(|level| plane.y.reaches(level.value, 0.0)) {
+            svg += &plane.level(level);
         }
         svg += "</svg>\n";
         Some(svg)
@@ -212,6 +266,18 @@ impl Plane {
         format!("<g class=\"guide\"><path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\"/>{label}</g>\n")
     }
 
+    fn level(&self, level: &Level) -> String {
+        let (left, right, top, _) = self.sides();
+        let at = self.y.at(level.value);
+        // Curves fall to the right, so the label has most room at the left.
+        let label = if at - top < LEVEL_LABEL { at + 14.0 } else { at - 5.0 };
+        format!(
+            "<g class=\"level\"><path d=\"M{left} {at:.1}H{right}\"/><text x=\"{:.1}\" y=\"{label:.1}\">{}</text></g>\n",
+            left + 6.0,
+            escape(level.label)
+        )
+    }
+
     fn series(&self, series: &Series) -> String {
         let spots: Vec<&Spot> = series.points.iter().filter(|spot| spot.drawable()).collect();
         let place = |spot: &Spot| (self.x.at(spot.x.mean), self.y.at(spot.y.mean));
@@ -265,6 +331,12 @@ impl Plane {
     fn end(&self, value: f64, spot: &Spot) -> f64 {
         self.y.at(if value.is_nan() { spot.y.mean } else { value })
     }
+}
+
+/// A text that begins a sentence.
+fn capital(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
 /// The classes of a series: its colour, and dashes from the ninth on.

@@ -8,9 +8,10 @@ use crate::bench::stats::Interval;
 /// `scene`, `file`, `width`, `height`, `variant`, `renderer`, `technique`, `backend`, `options` (separated by spaces) and
 /// `bias` say what was run; `seeds` how many runs the means are over, and `point` counts the curve's points from 0. Then,
 /// for each quantity, its mean and the ends of its interval: `seconds` of rendering by the host's clock, `device_seconds` in
-/// the kernels (empty where not measured), and the errors `relmse`, `mse`, `mape` and `flip`. All numbers are written so that
-/// they read back exactly.
-pub const COLUMNS: [&str; 31] = [
+/// the kernels (empty where not measured), and the errors `relmse`, `trimmed_relmse` (without the worst thousandth of the pixels),
+/// `median_relmse` (median of the pixels' squared relative errors), `mse`, `mape` and `flip`. All numbers are written so that they
+/// read back exactly.
+pub const COLUMNS: [&str; 37] = [
     "scene",
     "file",
     "width",
@@ -33,6 +34,12 @@ pub const COLUMNS: [&str; 31] = [
     "relmse",
     "relmse_low",
     "relmse_high",
+    "trimmed_relmse",
+    "trimmed_relmse_low",
+    "trimmed_relmse_high",
+    "median_relmse",
+    "median_relmse_low",
+    "median_relmse_high",
     "mse",
     "mse_low",
     "mse_high",
@@ -69,6 +76,8 @@ pub fn table(results: &Results) -> String {
                     Some(point.seconds),
                     point.device_seconds,
                     Some(point.relmse),
+                    Some(point.trimmed_relmse),
+                    Some(point.median_relmse),
                     Some(point.mse),
                     Some(point.mape),
                     Some(point.flip),

@@ -4,10 +4,12 @@
 
 pub(crate) mod chart;
 mod csv;
+mod figures;
 pub(crate) mod html;
 pub(crate) mod number;
 mod page;
 pub(crate) mod pictures;
+mod reference;
 mod rows;
 mod scale;
 mod scene;

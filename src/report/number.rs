@@ -7,6 +7,9 @@ const NONE: &str = "–";
 /// Powers of ten that are written out.
 const PLAIN: std::ops::Range<i32> = -3..4;
 
+/// Powers of ten by which the end of an interval may exceed the mean and still be written in the same one.
+const FAR: i32 = 2;
+
 /// A number of three significant digits.
 pub fn figure(value: f64) -> String {
     if let Some(text) = special(value) {
@@ -26,8 +29,11 @@ pub fn interval(interval: &Interval) -> (String, Option<String>) {
     if !has_ends(interval) {
         return (figure(mean), None);
     }
-    // Both ends in the mean's power of ten: they are read against it.
+    // Both ends in the mean's power of ten: they are read against it. One that is far above would have many digits there.
     let exponent = if mean == 0.0 { exponent_of(high - low) } else { exponent_of(mean) };
+    if high.is_finite() && exponent_of(high) > exponent + FAR {
+        return (figure(mean), Some(format!("[{}, {}]", figure(low), figure(high))));
+    }
     let ends = if PLAIN.contains(&exponent) {
         let decimals = (2 - exponent).max(0);
         let end = |value: f64| special(value).unwrap_or_else(|| fixed(value, decimals));
@@ -169,6 +175,7 @@ mod tests {
         assert_eq!(of(0.5, 0.4, 0.6), "0.500 [0.400, 0.600]");
         assert_eq!(of(0.5, 0.5, 0.5), "0.500");
         assert_eq!(of(0.0, -1e-3, 1e-3), "0 [−0.00100, 0.00100]");
+        assert_eq!(of(0.536, 1e-6, 341_615.0), "0.536 [1.00·10⁻⁶, 3.42·10⁵]");
         assert_eq!(of(f64::INFINITY, f64::NAN, f64::INFINITY), "∞");
     }
 }

@@ -99,20 +99,40 @@ fn glossary(results: &Results) -> String {
             "mean of (a − b)² / (b² + 0.01) over pixels and channels, a the image and b the reference; the reference's own noise is taken off, so that a small value can be negative.",
         ),
         (
+            "Trimmed relMSE, median",
+            "the relMSE without the worst thousandth of the pixels, and the median of the pixels' squared relative errors. A single firefly, a pixel with a rare and very bright sample, can make most of a relMSE; it does not change these two. What they leave out is error all the same: of a technique whose error is all in few pixels they tell too little.",
+        ),
+        (
+            "Few pixels decide",
+            "the worst thousandth of the pixels makes more than 30 % of the relMSE in a run. Another seed may then give quite another relMSE.",
+        ),
+        (
+            "Reference",
+            "the image that stands for the truth. Unless one is given, several techniques are tried for a moment, and the one that is expected to be least off makes it, from independent seeds. It is an estimate too: it has noise, and it lacks the light that its technique did not find.",
+        ),
+        (
+            "Witness, confirmed",
+            "the witness is another technique that renders the scene independently and is compared with the reference tile by tile, from single pixels to the whole image. The reference is confirmed if no tile differs beyond noise and one of the two can aim at all light of the scene. Tests are so strict that of a hundred right references one is doubted. Where a reference is not confirmed, errors against it may be those of the reference.",
+        ),
+        (
+            "Own error, at least",
+            "the reference's own relMSE, estimated from how its independent parts differ, with the interval that holds it in 95 % of cases. “At least” stands where few bright samples make most of it: more of them may be missing, and nobody knows how many.",
+        ),
+        (
             "RMSE, MAPE, FLIP",
             "root of the mean of (a − b)²; mean of |a − b| / (|b| + 0.01); mean of the difference that a viewer sees between the tone-mapped images (FLIP, 0 to 1).",
         ),
         (
             "Efficiency",
-            "1 / (relMSE × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs.",
+            "1 / (error × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs. The error is the relMSE; in scenes where the trimmed relMSE decides any ratio, it is the trimmed one for all variants, and the table says so.",
         ),
         (
-            "Ratio",
-            "efficiency over that of the scene's first variant, run by run; significant where a paired t-test of the logarithms says so at the 1 % level.",
+            "Ratio, and which test decides",
+            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, it counts only if it is significant and the trimmed relMSE says the same; else the test of the trimmed relMSE decides.",
         ),
         (
             "Slope",
-            "of log relMSE over log seconds. Plain Monte Carlo has −1; above it, something that more samples do not cure: bias, or a noisy reference.",
+            "of log relMSE over log seconds; where few pixels decide the relMSE, of the median, as each rare bright sample makes a step of the relMSE. Plain Monte Carlo has −1; above it, something that more samples do not cure: bias, or a noisy reference.",
         ),
         (
             "Bias floor",

@@ -32,7 +32,10 @@ impl Pictures {
     pub fn read(folder: &Path, results: &Results) -> Result<Self> {
         let mut pictures = Self::default();
         for scene in &results.scenes {
-            pictures.add(folder, &scene.reference.picture)?;
+            for name in [Some(&scene.reference.picture), scene.reference.difference_map.as_ref()].into_iter().flatten()
+            {
+                pictures.add(folder, name)?;
+            }
             let cells = scene.equal_time.iter().chain(&scene.equal_spp).flat_map(|Row { cells, .. }| cells);
             for cell in cells {
                 for name in [&cell.picture, &cell.crop, &cell.heat_map] {

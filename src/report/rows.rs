@@ -64,6 +64,9 @@ pub fn comparison(index: usize, scene: &SceneResults, pictures: &Pictures) -> St
             choices.push((pictures.id(&cell.picture), format!("{}, {at}", cell.variant)));
         }
     }
+    if let Some(map) = &scene.reference.difference_map {
+        choices.push((pictures.id(map), String::from("where the witness differs from the reference")));
+    }
     if choices.len() < 2 {
         return String::new();
     }

@@ -49,6 +49,20 @@ impl LogScale {
         Some(Self { low: low - margin, high: high + margin, from, to })
     }
 
+    /// Whether a value lies between its ends, or at most so many decades beyond them.
+    pub fn reaches(&self, value: f64, decades: f64) -> bool {
+        drawable(value) && (self.low - decades..=self.high + decades).contains(&value.log10())
+    }
+
+    /// The same axis with room for one more value.
+    pub fn extended(&self, value: f64) -> Self {
+        let (log, margin) = (value.log10(), 0.04 * (self.high - self.low));
+        if self.reaches(value, 0.0) {
+            return *self;
+        }
+        Self { low: self.low.min(log - margin), high: self.high.max(log + margin), ..*self }
+    }
+
     /// Where a value is drawn; what lies beyond an end is drawn at that end.
     pub fn at(&self, value: f64) -> f64 {
         let log = if value > 0.0 { value.log10() } else { self.low };
@@ -125,6 +139,19 @@ mod tests {
         let ticks = scale(&[1.0, 1000.0]).ticks(40.0);
         let labels: Vec<String> = ticks.into_iter().filter_map(|tick| tick.label).collect();
         assert_eq!(labels, ["1", "10", "100", "1000"]);
+    }
+
+    #[test]
+    fn an_axis_makes_room_for_what_is_near() {
+        let axis = scale(&[1.0, 1000.0]);
+        for (value, reached) in [(0.3, true), (0.01, false), (9e3, true), (0.0, false), (f64::NAN, false)] {
+            assert_eq!(axis.reaches(value, 1.0), reached, "{value}");
+            if reached {
+                let place = axis.extended(value).at(value);
+                assert!(!axis.reaches(value, 0.0) && (1.0..=299.0).contains(&place), "{value} at {place}");
+            }
+        }
+        assert_eq!(axis.extended(10.0).ends(), axis.ends());
     }
 
     #[test]

@@ -1,10 +1,11 @@
-//! The section of one scene: its reference, what ran, and the curves.
+//! The section of one scene: what ran, its reference, and the curves.
 
-use super::chart::{Chart, Guide, Series, Spot, Through, describe, key};
+use super::chart::{Chart, Guide, Level, Series, Spot, Through, describe, key};
 use super::html::{escape, fact};
 use super::pictures::Pictures;
-use super::{number, rows, summary};
-use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, Reference, SceneResults, VariantResults};
+use super::reference::Own;
+use super::{number, reference, rows, summary};
+use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, SceneResults, VariantResults};
 use crate::bench::stats::Interval;
 
 /// A measure of error with its curves.
@@ -17,8 +18,12 @@ struct Metric {
     slope: Option<(f64, &'static str)>,
 }
 
-const METRICS: [Metric; 4] = [
+const METRICS: [Metric; 6] = [
     Metric { id: "relmse", name: "relMSE", of: |point| point.relmse, slope: Some((-1.0, "slope −1")) },
+    Metric {
+        id: "trimmed", name: "trimmed relMSE", of: |point| point.trimmed_relmse, slope: Some((-1.0, "slope −1"))
+    },
+    Metric { id: "median", name: "median", of: |point| point.median_relmse, slope: Some((-1.0, "slope −1")) },
     Metric { id: "rmse", name: "RMSE", of: |point| root(&point.mse), slope: Some((-0.5, "slope −½")) },
     Metric { id: "mape", name: "MAPE", of: |point| point.mape, slope: Some((-0.5, "slope −½")) },
     Metric { id: "flip", name: "FLIP", of: |point| point.flip, slope: None },
@@ -38,39 +43,14 @@ pub fn section(index: usize, scene: &SceneResults, pictures: &Pictures) -> Strin
     let verdict = if verdict.is_empty() { verdict } else { format!("<p class=\"lead\">{verdict}</p>\n") };
     format!(
         "<section class=\"scene\" aria-labelledby=\"scene-{index}\">\n<h2 id=\"scene-{index}\">{}</h2>\n{verdict}\
-         <div class=\"intro\">\n{}<div>\n<dl class=\"facts\">\n{}</dl>\n{}</div>\n</div>\n{}{}{}</section>\n",
+         <dl class=\"facts\">\n{}</dl>\n{}{}{}{}{}</section>\n",
         escape(&scene.name),
-        reference(&scene.reference, &scene.name, pictures),
         facts.concat(),
         what_ran(scene),
+        reference::section(scene, pictures),
         curves(index, scene),
         rows::rows(scene, pictures),
         rows::comparison(index, scene, pictures),
-    )
-}
-
-fn reference(reference: &Reference, scene: &str, pictures: &Pictures) -> String {
-    let mut origin = match reference.origin.as_str() {
-        "given" => String::from("given on the command line"),
-        "made" => String::from("made for this bench"),
-        "cached" => String::from("made by an earlier bench"),
-        other => escape(other),
-    };
-    if let Some(technique) = &reference.technique {
-        origin += &format!(", by {}", escape(technique));
-    }
-    if let Some(spp) = reference.spp {
-        origin += &format!(", {} spp", number::whole(spp));
-    }
-    let noise = match reference.relmse {
-        Some(relmse) => format!("relMSE {} of its own, taken off all errors", number::figure(relmse)),
-        None => String::from("its own noise is not known and stays in all errors"),
-    };
-    format!(
-        "<figure class=\"reference\">\n{}\n<figcaption><strong>Reference</strong>: {origin}; {noise}. \
-         <code>{}</code></figcaption>\n</figure>\n",
-        pictures.show(&reference.picture, &format!("the reference of {scene}")),
-        escape(&reference.image)
     )
 }
 
@@ -159,16 +139,21 @@ fn panel(scene: &SceneResults, metric: &Metric) -> String {
     let hidden = if metric.id == "relmse" { "" } else { " hidden=\"hidden\"" };
     let time = chart(scene, metric, "seconds", "time of rendering (s)", |point| point.seconds);
     let samples = chart(scene, metric, "samples per pixel", "samples per pixel", |point| exact(point.spp));
-    let explain = match metric.id {
-        "relmse" if scene.variants.iter().any(shows_floor) => {
-            "<p class=\"quiet\">Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve \
-             twice as high needs twice the time. Dotted: the error that stays, where the bias is significant.</p>\n"
+    let mut explain = String::new();
+    if metric.id == "relmse" {
+        explain += "Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve twice as high needs twice \
+                    the time.";
+        if scene.variants.iter().any(shows_floor) {
+            explain += " Dotted: the error that stays, where the bias is significant.";
         }
-        "relmse" => {
-            "<p class=\"quiet\">Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve \
-             twice as high needs twice the time.</p>\n"
-        }
-        _ => "",
+    }
+    if !levels(scene, metric).is_empty() {
+        explain += " Grey: the reference’s own error. Its expectation is taken off all curves, but one that comes near that line is \
+                    flattened or bent by it.";
+    }
+    let explain = match explain.trim_start() {
+        "" => String::new(),
+        text => format!("<p class=\"quiet\">{text}</p>\n"),
     };
     format!(
         "<div class=\"panel\" data-metric=\"{}\"{hidden}>\n<div class=\"plots\">\n{time}{samples}</div>\n{explain}</div>\n",
@@ -188,7 +173,19 @@ fn chart(scene: &SceneResults, metric: &Metric, unit: &str, x: &str, at: fn(&Cur
     });
     let guide = metric.slope.map(|(slope, label)| Guide { slope, through: Through::BestEnd, label });
     let text = format!("{} over {unit} for each variant on {}, both axes logarithmic", metric.name, scene.name);
-    Chart { text, x, y: metric.name, series: series.collect(), guide }.draw()
+    Chart { text, x, y: metric.name, series: series.collect(), guide, levels: levels(scene, metric) }.draw()
+}
+
+/// The reference's own error, where it is known by that measure: as a relMSE, and without its worst pixels about the same unless few
+/// samples decide it.
+fn levels(scene: &SceneResults, metric: &Metric) -> Vec<Level<'static>> {
+    let Some(own) = Own::of(&scene.reference) else { return Vec::new() };
+    let label = match (metric.id, own.at_least) {
+        ("relmse", true) => "reference’s own error, at least",
+        ("relmse" | "trimmed", false) => "reference’s own error",
+        _ => return Vec::new(),
+    };
+    vec![Level { value: own.relmse, label }]
 }
 
 /// Time in kernels over all time, if any variant knows both.
@@ -227,6 +224,7 @@ fn kernels(scene: &SceneResults) -> String {
         y: "time in kernels, device's clock (s)",
         series,
         guide: Some(Guide { slope: 1.0, through: Through::Unity, label: "all time in kernels" }),
+        levels: Vec::new(),
     };
     format!(
         "<details class=\"kernels\">\n<summary>Time in kernels against all time of rendering</summary>\n\

@@ -1,139 +1,293 @@
-//! The table of all variants, per scene the most efficient first.
+//! The tables of all variants, per scene the most efficient first: what they come to, the error by three figures, and what else was measured.
 
 use super::chart::key;
 use super::html::escape;
 use super::number;
-use crate::bench::results::{Pair, Results, SceneResults, Setup, VariantResults};
+use crate::bench::results::{Figure, Pair, Results, SceneResults, Setup, VariantResults};
 use crate::bench::stats::Interval;
 
-/// Heads of the columns: title and unit.
-const COLUMNS: [(&str, &str); 13] = [
-    ("Variant", ""),
-    ("Efficiency", "1/(relMSE·s)"),
-    ("Ratio", "to the first"),
-    ("relMSE", ""),
-    ("Time", "s"),
-    ("Samples", "per pixel"),
-    ("Speed", "Msamples/s"),
-    ("Rays", "Mrays/s"),
-    ("Slope", ""),
-    ("Bias floor", "relMSE"),
-    ("Energy", "ratio"),
-    ("Set-up", "s, apart"),
-    ("Memory", "MiB, peak"),
-];
+/// Stands before what the reader must not miss. The second character asks for letters, not for a coloured picture.
+pub const WARNING: &str = "\u{26a0}\u{fe0e}";
 
-/// The section with the table.
+/// A column: its title and its unit.
+type Column = (&'static str, &'static str);
+
+/// A table of all variants of all scenes.
+struct Table {
+    /// Its heads, but for the variant's name.
+    columns: &'static [Column],
+    /// The cells of a variant below them, as HTML.
+    cells: fn(&SceneResults, usize, &VariantResults) -> Vec<String>,
+    /// What stands beside a scene's name, as HTML.
+    beside: fn(&SceneResults) -> String,
+    /// What is to be said below a variant's figures.
+    remarks: fn(&VariantResults) -> Vec<String>,
+}
+
+const OVERVIEW: Table = Table {
+    columns: &[
+        ("Efficiency", "1/(relMSE·s)"),
+        ("Ratio", "to the first"),
+        ("relMSE", ""),
+        ("Time", "s"),
+        ("Samples", "per pixel"),
+        ("Slope", ""),
+        ("Flags", ""),
+    ],
+    cells: overview,
+    beside: verdict,
+    remarks,
+};
+
+const BY_FIGURE: Table = Table {
+    columns: &[
+        ("relMSE", ""),
+        ("Ratio", "by relMSE"),
+        ("Trimmed", "relMSE"),
+        ("Ratio", "by trimmed"),
+        ("Median", "of the pixels"),
+        ("Ratio", "by median"),
+        ("Worst pixels", "share of relMSE"),
+    ],
+    cells: by_figure,
+    beside: doubted,
+    remarks: |_| Vec::new(),
+};
+
+const REST: Table = Table {
+    columns: &[
+        ("Speed", "Msamples/s"),
+        ("Rays", "Mrays/s"),
+        ("Bias floor", "relMSE"),
+        ("Energy", "ratio"),
+        ("Set-up", "s, apart"),
+        ("Memory", "MiB, peak"),
+    ],
+    cells: rest,
+    beside: |_| String::new(),
+    remarks: |_| Vec::new(),
+};
+
+/// The section with the tables.
 pub fn section(results: &Results) -> String {
-    let heads: String = COLUMNS
-        .iter()
-        .map(|(title, unit)| {
-            let unit = if unit.is_empty() { String::new() } else { format!("<br/><small>{unit}</small>") };
-            format!("<th scope=\"col\" role=\"columnheader\">{title}{unit}</th>\n")
-        })
-        .collect();
-    let bodies: String = results.scenes.iter().enumerate().map(|(index, scene)| body(index, scene)).collect();
+    let details = |title: &str, explain: &str, table: &Table| {
+        format!(
+            "<details open=\"open\">\n<summary>{title}</summary>\n<p class=\"quiet\">{explain}</p>\n{}</details>\n",
+            table.html(results, title)
+        )
+    };
+    let by_figure = details(
+        "Error that few pixels do not decide",
+        "A few bright samples can make most of a relMSE. The trimmed one leaves out the worst thousandth of the pixels, and the median does \
+         not see bright pixels at all. Ratios are those of efficiencies to the scene's first variant; “decides” marks the one that \
+         the verdict goes by.",
+        &BY_FIGURE,
+    );
+    let rest = details("Speed, bias and memory", "Of whole runs; set-up is not in the time of rendering.", &REST);
     format!(
-        "<section aria-labelledby=\"summary\">\n<h2 id=\"summary\">Summary</h2>\n\
-         <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-labelledby=\"summary\">\n\
-         <table class=\"summary\" role=\"table\">\n<thead role=\"rowgroup\">\n<tr role=\"row\">\n{heads}</tr>\n</thead>\n{bodies}\
-         </table>\n</div>\n</section>\n"
+        "<section aria-labelledby=\"summary\">\n<h2 id=\"summary\">Summary</h2>\n{}{by_figure}{rest}</section>\n",
+        OVERVIEW.html(results, "Summary")
     )
 }
 
-/// The variants of a scene with their numbers, the most efficient first.
-pub fn by_efficiency(scene: &SceneResults) -> Vec<(usize, &VariantResults)> {
-    let rank = |variant: &VariantResults| {
-        if variant.efficiency.mean.is_nan() { f64::NEG_INFINITY } else { variant.efficiency.mean }
-    };
-    let mut sorted: Vec<_> = scene.variants.iter().enumerate().collect();
-    sorted.sort_by(|(_, a), (_, b)| rank(b).total_cmp(&rank(a)));
-    sorted
+impl Table {
+    fn html(&self, results: &Results, label: &str) -> String {
+        let heads: String = [("Variant", "")]
+            .iter()
+            .chain(self.columns)
+            .map(|(title, unit)| {
+                let unit = if unit.is_empty() { String::new() } else { format!("<br/><small>{unit}</small>") };
+                format!("<th scope=\"col\" role=\"columnheader\">{title}{unit}</th>\n")
+            })
+            .collect();
+        let bodies: String = results.scenes.iter().enumerate().map(|(index, scene)| self.body(index, scene)).collect();
+        format!(
+            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">\n<table class=\"summary\" role=\"table\">\n\
+             <thead role=\"rowgroup\">\n<tr role=\"row\">\n{heads}</tr>\n</thead>\n{bodies}</table>\n</div>\n",
+            escape(label)
+        )
+    }
+
+    fn body(&self, index: usize, scene: &SceneResults) -> String {
+        let rows: String =
+            scene.by_efficiency().iter().map(|(number, variant)| self.row(scene, *number, variant)).collect();
+        format!(
+            "<tbody role=\"rowgroup\">\n<tr class=\"scene\" role=\"row\"><th scope=\"rowgroup\" role=\"rowheader\" \
+             colspan=\"{}\"><div><a href=\"#scene-{index}\">{}</a> <span class=\"quiet\">{}</span></div></th></tr>\n\
+             {rows}</tbody>\n",
+            self.columns.len() + 1,
+            escape(&scene.name),
+            (self.beside)(scene)
+        )
+    }
+
+    fn row(&self, scene: &SceneResults, number: usize, variant: &VariantResults) -> String {
+        let cells: String = self
+            .columns
+            .iter()
+            .zip((self.cells)(scene, number, variant))
+            .map(|((title, unit), cell)| {
+                let label = [*title, *unit].join(" ");
+                format!("<td role=\"cell\" data-label=\"{}\"><div>{cell}</div></td>\n", label.trim_end())
+            })
+            .collect();
+        let remarks: String =
+            (self.remarks)(variant).iter().map(|remark| format!("<li>{}</li>", escape(remark))).collect();
+        let below = if remarks.is_empty() {
+            remarks
+        } else {
+            let columns = self.columns.len() + 1;
+            format!(
+                "<tr class=\"remarks\" role=\"row\"><td role=\"cell\" colspan=\"{columns}\"><ul>{remarks}</ul></td></tr>\n"
+            )
+        };
+        format!(
+            "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><div>{} {}</div></th>\n{cells}</tr>\n{below}",
+            key(number),
+            escape(&variant.name)
+        )
+    }
 }
 
-/// What a scene's figures come to, in one sentence of HTML.
+/// What a scene's figures come to, in one or two sentences of HTML: what is most efficient, and whether the reference can say so.
 pub fn verdict(scene: &SceneResults) -> String {
-    let sorted = by_efficiency(scene);
-    let Some((_, best)) = sorted.first().filter(|(_, best)| best.efficiency.mean > 0.0 && sorted.len() > 1) else {
+    [most_efficient(scene), doubted(scene), coarse(scene)]
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// That the scene's reference is not confirmed, if that is so.
+pub fn doubted(scene: &SceneResults) -> String {
+    match &scene.reference.doubt {
+        Some(doubt) => {
+            format!("<strong class=\"doubt\">{WARNING} Reference not confirmed: {}.</strong>", escape(doubt))
+        }
+        None => String::new(),
+    }
+}
+
+/// That the reference's own error is not far below the least one, if that is so.
+fn coarse(scene: &SceneResults) -> String {
+    match scene.reference_share() {
+        Some(share) if share.is_finite() => format!(
+            "The reference’s own error is {} times the least relMSE here; with more <code>--reference-time</code> it is less.",
+            number::figure(share)
+        ),
+        Some(_) => String::from(
+            "The least relMSE here is lost in the reference’s own error; with more <code>--reference-time</code> that is less.",
+        ),
+        None => String::new(),
+    }
+}
+
+fn most_efficient(scene: &SceneResults) -> String {
+    let (sorted, figure) = (scene.by_efficiency(), scene.ordered_by());
+    let best = sorted.first().filter(|(_, best)| best.efficiency_by(figure).mean > 0.0 && sorted.len() > 1);
+    let Some((_, best)) = best else {
         return String::new();
     };
     let caveat = if best.floor.flagged { ", but biased here" } else { "" };
     let name = format!("Most efficient: <strong>{}</strong>{caveat}", escape(&best.name));
-    let doubt = |pair: &Pair| if pair.significant { "" } else { " (the difference is not significant)" };
-    if let Some(pair) = pair_of(scene, &best.name) {
-        let ratio = number::interval_line(&pair.efficiency.ratio);
-        return format!("{name}; {ratio} times {}{}.", escape(&pair.against), doubt(pair));
+    let told = |pair: &Pair| {
+        let by = match pair.decided_by {
+            Figure::Relmse => String::new(),
+            figure => format!(" by {}", figure.in_words()),
+        };
+        let doubt = if pair.significant { "" } else { " (the difference is not significant)" };
+        by + doubt
+    };
+    if let Some(pair) = scene.pair_of(&best.name) {
+        let ratio = number::interval_line(pair.decisive());
+        return format!("{name}; {ratio} times {}{}.", escape(&pair.against), told(pair));
     }
-    let next = sorted.get(1).and_then(|(_, next)| pair_of(scene, &next.name)).filter(|pair| pair.against == best.name);
+    let next = sorted.get(1).and_then(|(_, next)| scene.pair_of(&next.name)).filter(|pair| pair.against == best.name);
     match next {
         Some(pair) => {
-            let ratio = number::interval_line(&pair.efficiency.ratio);
-            format!("{name}; next comes {} with {ratio} of its efficiency{}.", escape(&pair.variant), doubt(pair))
+            let ratio = number::interval_line(pair.decisive());
+            format!("{name}; next comes {} with {ratio} of its efficiency{}.", escape(&pair.variant), told(pair))
         }
         None => format!("{name}."),
     }
 }
 
-/// How a variant compares with the scene's first one.
-fn pair_of<'a>(scene: &'a SceneResults, name: &str) -> Option<&'a Pair> {
-    scene.pairs.iter().find(|pair| pair.variant == name && pair.against != name)
-}
-
-fn body(index: usize, scene: &SceneResults) -> String {
-    let sorted = by_efficiency(scene);
-    let most =
-        sorted.iter().map(|(_, variant)| variant.efficiency.mean).filter(|value| value.is_finite()).fold(0.0, f64::max);
-    let rows: String = sorted.iter().map(|(number, variant)| row(scene, *number, variant, most)).collect();
-    format!(
-        "<tbody role=\"rowgroup\">\n<tr class=\"scene\" role=\"row\"><th scope=\"rowgroup\" role=\"rowheader\" colspan=\"{}\">\
-         <div class=\"stick\"><a href=\"#scene-{index}\">{}</a> <span class=\"quiet\">{}</span></div></th></tr>\n{rows}</tbody>\n",
-        COLUMNS.len(),
-        escape(&scene.name),
-        verdict(scene)
-    )
-}
-
-fn row(scene: &SceneResults, number: usize, variant: &VariantResults, most: f64) -> String {
+fn overview(scene: &SceneResults, number: usize, variant: &VariantResults) -> Vec<String> {
     let last = variant.last();
-    let mebibytes = variant.device_bytes.map(|bytes| number::figure(bytes as f64 / 1_048_576.0));
-    let efficiency = variant.efficiency.mean;
-    let share = if most > 0.0 && efficiency.is_finite() { (efficiency / most).clamp(0.0, 1.0) } else { 1.0 };
-    let of = |value: Option<&Interval>| value.map_or_else(|| String::from("–"), interval);
-    let million = |value: &Interval| interval(&number::scaled(value, 1e-6));
-    let efficiency = format!(
-        "{}<span class=\"bar {}\" style=\"width: {:.0}%\"></span>",
-        interval(&variant.efficiency),
-        super::chart::style(number),
-        100.0 * share
-    );
-    let cells = [
-        efficiency,
+    let figure = scene.ordered_by();
+    let efficiency = variant.efficiency_by(figure);
+    let most = scene.variants.iter().map(|variant| variant.efficiency_by(figure).mean);
+    let most = most.filter(|value| value.is_finite()).fold(0.0, f64::max);
+    let share = if most > 0.0 && efficiency.mean.is_finite() { (efficiency.mean / most).clamp(0.0, 1.0) } else { 1.0 };
+    let by = match figure {
+        Figure::Relmse => String::new(),
+        figure => format!(" <small class=\"mark\">by {}</small>", figure.name()),
+    };
+    vec![
+        format!(
+            "{}{by}<span class=\"bar {}\" style=\"width: {:.0}%\"></span>",
+            interval(efficiency),
+            super::chart::style(number),
+            100.0 * share
+        ),
         ratio(scene, variant),
         of(last.map(|point| &point.relmse)),
         of(last.map(|point| &point.seconds)),
-        last.map_or_else(|| String::from("–"), |point| number::samples(point.spp)),
-        million(&variant.samples_per_s) + &speed_ratio(scene, variant),
-        variant.rays_per_s.as_ref().map_or_else(|| String::from("–"), million),
-        fixed(&variant.slope, 2),
-        floor(variant),
+        last.map_or_else(none, |point| number::samples(point.spp)),
+        slope(variant),
+        flags(variant),
+    ]
+}
+
+fn by_figure(scene: &SceneResults, _: usize, variant: &VariantResults) -> Vec<String> {
+    let last = variant.last();
+    let pair = scene.pair_of(&variant.name);
+    let ratio = |figure: Figure| match pair {
+        Some(pair) => {
+            let found = pair.by(figure);
+            let decides = if pair.decided_by == figure { " <small class=\"mark decides\">decides</small>" } else { "" };
+            format!("{} {}{decides}", interval(&found.ratio), significance(found.significant))
+        }
+        None if is_first(scene, variant) => String::from("1"),
+        None => none(),
+    };
+    let share = format!("{} %", number::trimmed((1000.0 * variant.worst_share).round() / 10.0));
+    let mark = if variant.is_heavy() { " <small class=\"mark warning\">few pixels decide</small>" } else { "" };
+    vec![
+        of(last.map(|point| &point.relmse)),
+        ratio(Figure::Relmse),
+        of(last.map(|point| &point.trimmed_relmse)),
+        ratio(Figure::Trimmed),
+        of(last.map(|point| &point.median_relmse)),
+        ratio(Figure::Median),
+        share + mark,
+    ]
+}
+
+fn rest(scene: &SceneResults, _: usize, variant: &VariantResults) -> Vec<String> {
+    let million = |value: &Interval| interval(&number::scaled(value, 1e-6));
+    let speed_ratio = scene.pair_of(&variant.name).map_or_else(String::new, |pair| {
+        format!(" <small>{} × the first</small>", number::figure(pair.speed_ratio.mean))
+    });
+    let mebibytes = variant.device_bytes.map(|bytes| number::figure(bytes as f64 / 1_048_576.0));
+    let (floor, deviation) = (number::figure(variant.floor.relmse), number::figure(variant.floor.deviation));
+    vec![
+        million(&variant.samples_per_s) + &speed_ratio,
+        variant.rays_per_s.as_ref().map_or_else(none, million),
+        format!("{floor} <small>± {deviation}</small>{}", bias_mark(variant)),
         fixed(&variant.energy_ratio, 4),
         set_up(&variant.setup),
-        mebibytes.unwrap_or_else(|| String::from("–")),
-    ];
-    let cells: String = COLUMNS[1..]
-        .iter()
-        .zip(cells)
-        .map(|((title, unit), cell)| {
-            let label = [*title, *unit].join(" ");
-            format!("<td role=\"cell\" data-label=\"{}\"><div>{cell}</div></td>\n", label.trim_end())
-        })
-        .collect();
-    format!(
-        "<tr role=\"row\"><th scope=\"row\" role=\"rowheader\"><div>{} {}</div></th>\n{cells}</tr>\n{}",
-        key(number),
-        escape(&variant.name),
-        remarks(variant)
-    )
+        mebibytes.unwrap_or_else(none),
+    ]
+}
+
+/// What stands where there is no figure.
+fn none() -> String {
+    String::from("–")
+}
+
+fn of(value: Option<&Interval>) -> String {
+    value.map_or_else(none, interval)
 }
 
 /// An interval in a cell: the mean, and below it the ends.
@@ -159,39 +313,67 @@ fn set_up(Setup { load, build, compile }: &Setup) -> String {
     format!("{} {}", number::figure(load + build + compile), parts.join(" "))
 }
 
+fn is_first(scene: &SceneResults, variant: &VariantResults) -> bool {
+    scene.variants.first().is_some_and(|first| first.name == variant.name)
+}
+
+fn significance(significant: bool) -> &'static str {
+    if significant {
+        "<small class=\"mark sure\">significant</small>"
+    } else {
+        "<small class=\"mark\">not significant</small>"
+    }
+}
+
+/// The ratio that decides, with its verdict.
 fn ratio(scene: &SceneResults, variant: &VariantResults) -> String {
-    match pair_of(scene, &variant.name) {
-        Some(pair) if pair.significant => {
-            format!("{} <small class=\"mark sure\">significant</small>", interval(&pair.efficiency.ratio))
-        }
-        Some(pair) => format!("{} <small class=\"mark\">not significant</small>", interval(&pair.efficiency.ratio)),
-        None if scene.variants.first().is_some_and(|first| first.name == variant.name) => {
-            String::from("1 <small class=\"mark\">the first</small>")
-        }
-        None => String::from("–"),
-    }
-}
-
-fn speed_ratio(scene: &SceneResults, variant: &VariantResults) -> String {
-    match pair_of(scene, &variant.name) {
-        Some(pair) => format!(" <small>{} × the first</small>", number::figure(pair.speed_ratio.mean)),
+    let Some(pair) = scene.pair_of(&variant.name) else {
+        let first = "1 <small class=\"mark\">the first</small>";
+        return if is_first(scene, variant) { String::from(first) } else { none() };
+    };
+    let by = match pair.decided_by {
+        Figure::Relmse => String::new(),
+        figure => format!(" <small class=\"mark\">by {}</small>", figure.name()),
+    };
+    let doubt = match &scene.reference.doubt {
+        Some(_) => format!(" <small class=\"mark warning\">{WARNING} reference</small>"),
         None => String::new(),
-    }
+    };
+    format!("{} {}{by}{doubt}", interval(pair.decisive()), significance(pair.significant))
 }
 
-fn floor(variant: &VariantResults) -> String {
-    let (value, deviation) = (number::figure(variant.floor.relmse), number::figure(variant.floor.deviation));
-    let mark = match (variant.floor.flagged, variant.bias.is_empty()) {
+fn bias_mark(variant: &VariantResults) -> &'static str {
+    match (variant.floor.flagged, variant.bias.is_empty()) {
         (true, false) => " <small class=\"mark warning\">biased</small>",
         (true, true) => " <small class=\"mark warning\">unexpected bias</small>",
         (false, _) => "",
-    };
-    format!("{value} <small>± {deviation}</small>{mark}")
+    }
 }
 
-/// What is to be said below a variant's figures, in a row of its own.
-fn remarks(variant: &VariantResults) -> String {
+fn slope(variant: &VariantResults) -> String {
+    let of = match variant.slope_of {
+        Figure::Relmse => String::new(),
+        figure => format!(" <small class=\"mark\">of the {}</small>", figure.name()),
+    };
+    fixed(&variant.slope, 2) + &of
+}
+
+/// What is to be looked at before the figures of a variant are used, in a word or two each.
+fn flags(variant: &VariantResults) -> String {
+    let heavy = if variant.is_heavy() { "<small class=\"mark warning\">few pixels decide</small>" } else { "" };
+    let flags = format!("{heavy}{}", bias_mark(variant));
+    if flags.is_empty() { none() } else { flags }
+}
+
+/// What is to be said below a variant's figures.
+fn remarks(variant: &VariantResults) -> Vec<String> {
     let mut remarks: Vec<String> = Vec::new();
+    if variant.is_heavy() {
+        remarks.push(format!(
+            "A thousandth of the pixels makes {:.0} % of the relMSE, so few bright samples decide it.",
+            100.0 * variant.worst_share
+        ));
+    }
     if variant.floor.flagged {
         remarks.push(if variant.bias.is_empty() {
             String::from(
@@ -207,12 +389,5 @@ fn remarks(variant: &VariantResults) -> String {
         remarks.push(format!("{} samples were not finite and were dropped.", number::whole(dropped)));
     }
     remarks.extend(variant.notes.iter().cloned());
-    if remarks.is_empty() {
-        return String::new();
-    }
-    let items: String = remarks.iter().map(|remark| format!("<li>{}</li>", escape(remark))).collect();
-    format!(
-        "<tr class=\"remarks\" role=\"row\"><td role=\"cell\" colspan=\"{}\"><ul class=\"stick\">{items}</ul></td></tr>\n",
-        COLUMNS.len()
-    )
+    remarks
 }

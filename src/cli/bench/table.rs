@@ -1,7 +1,7 @@
 //! A bench on the terminal.
 
 use lumbre::bench::against::{Comparison, Figure};
-use lumbre::bench::results::{Results, SceneResults, VariantResults};
+use lumbre::bench::results::{self as bench, Reference, Results, SceneResults, VariantResults};
 use lumbre::bench::stats::Interval;
 
 use super::super::print;
@@ -16,44 +16,93 @@ pub(super) fn print_results(results: &Results) {
 
 fn print_scene(scene: &SceneResults) {
     print("");
-    let quality = scene.reference.relmse.map_or(String::from("unknown noise"), |own| format!("relMSE {own:.1e}"));
-    print(&format!(
-        "{}, {}x{}, reference {} ({quality})",
-        scene.name, scene.width, scene.height, scene.reference.origin
-    ));
-    let mut variants: Vec<&VariantResults> = scene.variants.iter().collect();
-    variants.sort_by(|a, b| b.efficiency.mean.total_cmp(&a.efficiency.mean));
-    let width = variants.iter().map(|variant| variant.name.len()).max().unwrap_or(0);
-    print(&format!("{:width$}  1/(relMSE s)                relMSE    seconds      spp  Msamples/s  slope", "variant"));
-    for variant in variants {
+    print(&format!("{}, {}x{}", scene.name, scene.width, scene.height));
+    for line in describe_reference(&scene.reference) {
+        print(&line);
+    }
+    let figure = scene.ordered_by();
+    let variants = scene.by_efficiency();
+    let width = variants.iter().map(|(_, variant)| variant.name.len()).max().unwrap_or(0);
+    let efficiency = match figure {
+        bench::Figure::Relmse => "1/(relMSE s)",
+        _ => "1/(trimmed relMSE s)",
+    };
+    print(&format!("{:width$}  {efficiency:<26} relMSE    seconds      spp  Msamples/s  slope", "variant"));
+    for (_, variant) in variants {
         let Some(last) = variant.last() else { continue };
-        let flag = match (variant.floor.flagged, variant.bias.is_empty()) {
-            (true, true) => format!("  biased, floor {:.1e}: unexpected", variant.floor.relmse),
-            (true, false) => format!("  biased, floor {:.1e}: {}", variant.floor.relmse, variant.bias),
-            (false, _) => String::new(),
-        };
         print(&format!(
-            "{:width$}  {:<26} {:.3e}  {:>7.3}  {:>8.0}  {:>10.3}  {:>5.2}{flag}",
+            "{:width$}  {:<26} {:.3e}  {:>7.3}  {:>8.0}  {:>10.3}  {:>5.2}{}",
             variant.name,
-            interval(&variant.efficiency),
+            interval(variant.efficiency_by(figure)),
             last.relmse.mean,
             last.seconds.mean,
             last.spp,
             variant.samples_per_s.mean / 1e6,
             variant.slope.mean,
+            flags(variant),
         ));
     }
     for pair in &scene.pairs {
+        let by = match pair.decided_by {
+            bench::Figure::Relmse => String::new(),
+            figure => format!(" by {}", figure.in_words()),
+        };
         let verdict = if pair.significant { "" } else { ", no significant difference" };
-        print(&format!("  {} against {}: {}{verdict}", pair.variant, pair.against, times(&pair.efficiency.ratio)));
+        let doubt = if scene.reference.doubt.is_some() { " (reference not confirmed)" } else { "" };
+        print(&format!("  {} against {}: {}{by}{verdict}{doubt}", pair.variant, pair.against, times(pair.decisive())));
     }
-    let least =
-        scene.variants.iter().filter_map(|variant| Some(variant.last()?.relmse.mean)).fold(f64::INFINITY, f64::min);
-    if scene.reference.relmse.is_some_and(|own| own > 0.1 * least) {
+    if scene.reference_share().is_some() {
         print(
-            "  note: the reference's own noise is more than a tenth of the least error: --reference-spp makes a better one",
+            "  note: the reference's own error is more than a tenth of the least error: --reference-time makes a better one",
         );
     }
+}
+
+/// What made the reference and how large its own error is, what its witness says, and whether to trust it.
+fn describe_reference(reference: &Reference) -> Vec<String> {
+    let mut made = format!("  reference {}", reference.origin);
+    if let Some(technique) = &reference.technique {
+        made += &format!(" by {technique}");
+    }
+    if let Some(spp) = reference.spp {
+        made += &format!(", {spp} spp");
+    }
+    made += &match (&reference.certificate, reference.relmse) {
+        (Some(certificate), _) => format!(", own error {}", certificate.error_in_words()),
+        (None, Some(own)) => format!(", own error relMSE {own:.1e}"),
+        (None, None) => String::from(", own error unknown"),
+    };
+    let witness = reference.certificate.as_ref().and_then(|certificate| certificate.witness.as_ref());
+    let checked = match (witness, &reference.doubt) {
+        (_, Some(doubt)) => format!("  WARNING: reference not confirmed: {doubt}"),
+        (Some(witness), None) => format!(
+            "  confirmed by {}, {:.0} spp, which shows {:.2} % in half of the tiles of 16x16",
+            witness.technique,
+            witness.spp,
+            100.0 * witness.detectable
+        ),
+        (None, None) => String::from("  confirmed"),
+    };
+    vec![made, checked]
+}
+
+/// What is to be known before a variant's figures are used.
+fn flags(variant: &VariantResults) -> String {
+    let slope = match variant.slope_of {
+        bench::Figure::Relmse => String::new(),
+        figure => format!(", slope of the {}", figure.name()),
+    };
+    let heavy = if variant.is_heavy() {
+        format!("  few pixels decide: a thousandth makes {:.0} % of the relMSE{slope}", 100.0 * variant.worst_share)
+    } else {
+        String::new()
+    };
+    let biased = match (variant.floor.flagged, variant.bias.is_empty()) {
+        (true, true) => format!("  biased, floor {:.1e}: unexpected", variant.floor.relmse),
+        (true, false) => format!("  biased, floor {:.1e}: {}", variant.floor.relmse, variant.bias),
+        (false, _) => String::new(),
+    };
+    heavy + &biased
 }
 
 fn interval(value: &Interval) -> String {
@@ -61,7 +110,7 @@ fn interval(value: &Interval) -> String {
 }
 
 fn times(value: &Interval) -> String {
-    format!("x {:.3} ({:.3} to {:.3})", value.mean, value.low, value.high)
+    format!("x {:.3} ({:.3} to {:.3})", Sig(value.mean), Sig(value.low), Sig(value.high))
 }
 
 /// A number with about as many significant digits as the precision says.
