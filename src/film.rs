@@ -203,6 +203,13 @@ impl Film {
 }
 
 impl Image {
+    /// Feeds its size and the bits of its pixels to a hash.
+    pub fn hash_pixels(&self, hasher: &mut impl std::hash::Hasher) {
+        hasher.write_u32(self.width);
+        hasher.write_u32(self.height);
+        hasher.write(bytemuck::cast_slice(&self.pixels));
+    }
+
     /// The average over all pixels, per channel.
     pub fn average(&self) -> [f64; 3] {
         let count = self.pixels.len().max(1) as f64;

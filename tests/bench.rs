@@ -47,7 +47,7 @@ struct Synthetic {
     noise: f64,
     bias: f64,
     cost: f64,
-    /// Probability that a sample of the image holds a firefly in one of its first pixels, which is this many times too bright.
+    /// Probability that a sample of the image holds a firefly, in its first pixel: a thousandth of so few pixels is one.
     fireflies: f64,
     trial: u64,
     stream: Stream,
@@ -112,8 +112,7 @@ impl Subject for Synthetic {
         }
         for _ in 0..more {
             if self.stream.uniform() < self.fireflies {
-                let pixel = (self.stream.uniform() * 12.0) as usize;
-                self.sums[3 * pixel..3 * pixel + 3].iter_mut().for_each(|sum| *sum += FIREFLY);
+                self.sums[..3].iter_mut().for_each(|sum| *sum += FIREFLY);
             }
         }
         self.spp += more;

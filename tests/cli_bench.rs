@@ -164,5 +164,5 @@ fn bad_benches_are_refused_before_anything_is_rendered() {
     refused(here, &["bench", &cornell, "-o", "file/out"], 2, &["file/out"]);
     refused(here, &["bench", &cornell, "-o", "file"], 2, &["file"]);
     std::fs::write(here.join("other.json"), "{\"schema\": \"lumbre-rays-1\"}").unwrap();
-    refused(here, &["bench", &cornell, "--against", "other.json"], 2, &["other.json", "lumbre-bench-1"]);
+    refused(here, &["bench", &cornell, "--against", "other.json"], 2, &["other.json", "lumbre-bench-2"]);
 }

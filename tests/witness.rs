@@ -51,8 +51,8 @@ fn a_wrong_scale_in_a_twentieth_is_found() {
     let scene = canon("cornell.xml", &[("size", SIDE)]);
     with_gpu(|gpu| {
         let settings = settings(&scene, "path", Backend::Bvh);
-        let maker = series(gpu, &scene, &settings, "path", 384);
-        let witness = series(gpu, &scene, &settings, "bdpt", 192);
+        let maker = series(gpu, &scene, &settings, "path", 288);
+        let witness = series(gpu, &scene, &settings, "bdpt", 144);
         let truth = Truth::new(maker.mean(), Some(maker.variance()));
         let sound = looked_at(&truth, &witness, Kinds::default());
         assert!(sound.differences.is_empty(), "{:?}", sound.differences);
@@ -246,10 +246,12 @@ fn references_on_the_command_line() {
 
     // The pilot takes a share of the time, so an interrupt during it finds nothing to keep; once the making has begun, it does.
     let mut child = start(command(&["-o", "b.exr", "-t", "8"]));
-    let told = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-    assert!(told.into_iter().any(|line| line.starts_with("reference by ")));
+    let mut told = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(told.any(|line| line.starts_with("reference by ")));
     std::thread::sleep(std::time::Duration::from_secs(3));
     signal(&child, "INT");
+    let last = told.last().unwrap();
+    assert!(last.contains("b.exr.parts; the same command goes on"), "{last}");
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert!(here.join("b.exr.parts").exists() && !here.join("b.exr").exists());
     let output = command(&["-o", "b.exr", "-t", "8", "--json", "b.json"]).output().unwrap();

@@ -9,6 +9,9 @@ use crate::bench::stats::Interval;
 /// The name and version of the form.
 pub const SCHEMA: &str = "lumbre-reference-1";
 
+/// A witness that overlooks a larger relative difference than this, in half of the tiles of 16 x 16 pixels, confirms nothing.
+const WEAK: f64 = 0.25;
+
 /// What is known of a reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
@@ -128,24 +131,26 @@ impl Certificate {
         let Some(witness) = &self.witness else {
             return Some(String::from("no other technique can check it"));
         };
+        let name = &witness.technique;
         let Some(first) = witness.differences.first() else {
-            let blind = witness.by_chance.as_ref()?;
-            if witness.unseen > 0 {
-                let places = witness.unseen;
-                return Some(format!(
-                    "{} lacks light in {places} tiles, as it finds {blind} only by chance",
-                    witness.technique
-                ));
+            if let (Some(light), places @ 1..) = (&witness.by_chance, witness.unseen) {
+                return Some(format!("{name} lacks light in {places} tiles, as it finds {light} only by chance"));
             }
-            // One that aims at all light and agrees with it is enough.
-            let aims = self.makers.iter().any(|maker| maker.by_chance.is_none());
-            return (!aims).then(|| format!("nobody aimed at {blind}"));
+            // One that aims at all light and agrees with the others is enough.
+            let aimed = witness.by_chance.is_none() || self.makers.iter().any(|maker| maker.by_chance.is_none());
+            if let (false, Some(light)) = (aimed, &witness.by_chance) {
+                return Some(format!("nobody aimed at {light}"));
+            }
+            let overlooked = 100.0 * witness.detectable;
+            return (witness.detectable > WEAK)
+                .then(|| format!("{name} is so noisy that it overlooks {overlooked:.0} % in half of the tiles"));
         };
         let more = match witness.differences.len() {
             1 => String::new(),
+            2 => String::from(" and another place"),
             n => format!(" and {} more places", n - 1),
         };
-        Some(format!("{} differs: {}{more}", witness.technique, first.describe()))
+        Some(format!("{name} differs: {}{more}", first.describe()))
     }
 
     /// What made it, in words: `bdpt`, `bdpt and path`; `somebody else` where it was given.

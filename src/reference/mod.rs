@@ -1,7 +1,7 @@
 //! Images that stand for the truth: made by a technique that can find the light, and checked by another one.
 //!
-//! [`make`] tries every technique that may make a reference of the scene for a moment ([`pilot`]), lets the best one run with many
-//! independent seeds ([`series`]), and has an independent run of another one look at the result tile by tile ([`witness`]). What came of
+//! [`make`] tries every technique that may make a reference of the scene for a moment, lets the best one run with many
+//! independent seeds ([`Series`]), and has an independent run of another one look at the result tile by tile ([`Witness`]). What came of
 //! it is the [`Certificate`], which stays with the image.
 
 mod cache;

@@ -79,7 +79,7 @@ fn tail_index(sorted: &[f64]) -> Option<f64> {
 /// expectation of its square without their noise.
 pub(super) fn blur(series: &Series, deviations: f64) -> f64 {
     let parts: Vec<&[[f32; 3]]> = series.weighted().map(|(_, image)| image).collect();
-    let pairs: Vec<(&[[f32; 3]], &[[f32; 3]])> = parts.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+    let pairs: Vec<_> = parts.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
     let n = pairs.len() as f64;
     if pairs.len() < 2 {
         return f64::INFINITY;

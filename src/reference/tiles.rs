@@ -161,7 +161,7 @@ pub struct TileMeans {
 }
 
 impl TileMeans {
-    /// Of an image. Neighbours, [`PARENT`] x [`PARENT`] of them, share what is known of noise and blur: a tile that no bright sample has met
+    /// Of an image. Neighbours, 4 x 4 of them, share what is known of noise and blur: a tile that no bright sample has met
     /// yet, while most of its neighbours have, is no better known than they are.
     pub fn of(width: u32, height: u32, size: u32, mean: &dyn Fn(Tile, usize) -> TileMean) -> Self {
         let tiles: Vec<Tile> = Tile::overlapping(width, height, size).collect();

@@ -273,7 +273,18 @@ fn fingerprint(entry: &Entry, columns: &[Column], gpu: &Gpu, limits: Limits) -> 
     format!("{:?} {limits:?} {names:?} {} {}", entry.settings, survey.name, survey.driver).hash(&mut hasher);
     kernels_fingerprint().hash(&mut hasher);
     if let Some((_, truth)) = &entry.given {
-        bytemuck::cast_slice::<_, u8>(&truth.image.pixels).hash(&mut hasher);
+        truth.image.hash_pixels(&mut hasher);
+    }
+    hasher.finish()
+}
+
+/// The same with what the errors are measured against: runs that were kept hold these, not images alone.
+fn with_reference(fingerprint: u64, truth: &Truth) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    fingerprint.hash(&mut hasher);
+    truth.image.hash_pixels(&mut hasher);
+    if let Some(variance) = &truth.variance {
+        variance.hash_pixels(&mut hasher);
     }
     hasher.finish()
 }
@@ -311,6 +322,7 @@ fn bench_scene(
         };
         variants.push(Peer::variant(peer, &request, &args.output)?);
     }
+    let fingerprint = with_reference(fingerprint, &truth);
     let bench = Bench { folder: &args.output, scene: &entry.name, limits, fingerprint, truth: &truth };
     let summary = bench.results(&mut variants, |event| {
         stop()?;
