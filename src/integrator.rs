@@ -78,6 +78,8 @@ pub enum Chance {
     Caustics,
     /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
     HiddenCaustics,
+    /// What the camera sees by way of surfaces that are nearly smooth.
+    Reflections,
 }
 
 impl Chance {
@@ -86,6 +88,7 @@ impl Chance {
         match self {
             Self::Caustics => "caustics of small lights",
             Self::HiddenCaustics => "caustics of small lights that the camera sees by way of mirrors and smooth glass",
+            Self::Reflections => "what the camera sees in surfaces that are nearly smooth",
         }
     }
 }
@@ -405,7 +408,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: true,
         kept: Kept::Nothing,
         misses: &[Missing::Unshowable],
-        by_chance: &[],
+        by_chance: &[Chance::Reflections],
         referee: true,
         good_at: "caustics on matte surfaces, which the camera sees directly",
         bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",

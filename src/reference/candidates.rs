@@ -30,7 +30,7 @@ impl Candidate {
     }
 }
 
-/// Every technique that accounts for `solves` in this scene and finds all of it; blurred ones only where they are needed.
+/// Every technique that accounts for `solves` in this scene and finds all of it.
 ///
 /// Full transport of paths of at most two segments is direct light; in a scene whose materials are all diffuse it is what radiosity
 /// solves. So techniques of full transport make those references too.
@@ -54,10 +54,6 @@ pub fn candidates(scene: &Scene, solves: Solves, settings: &Settings) -> Vec<Can
             found.push(Candidate::new(technique, scene, max_depth));
         }
     }
-    // Two that are unbiased and aim at all light need no third that is blurred.
-    if found.iter().filter(|candidate: &&Candidate| candidate.aims_at_all()).count() >= 2 {
-        found.retain(|candidate| !candidate.is_consistent);
-    }
     // Where there is but one row, another form of it is better than nobody.
     if let [only] = found.as_slice()
         && let Ok(other) = Technique::parse(&format!("{}:branches=one", only.technique.row.name))
@@ -65,6 +61,13 @@ pub fn candidates(scene: &Scene, solves: Solves, settings: &Settings) -> Vec<Can
         found.push(Candidate::new(other, scene, settings.max_depth));
     }
     found
+}
+
+/// Splits off those that are tried only once the others contradict each other: two that are unbiased and aim at all light need no third that
+/// is blurred.
+pub(super) fn split(all: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
+    let enough = all.iter().filter(|candidate| candidate.aims_at_all()).count() >= 2;
+    all.into_iter().partition(|candidate| !(enough && candidate.is_consistent))
 }
 
 fn is_biased(row: &Integrator) -> bool {

@@ -137,7 +137,10 @@ impl Certificate {
                 return Some(format!("{name} lacks light in {places} tiles, as it finds {light} only by chance"));
             }
             // One that aims at all light and agrees with the others is enough.
-            let aimed = witness.by_chance.is_none() || self.makers.iter().any(|maker| maker.by_chance.is_none());
+            let aimed = |found: &Witness| found.by_chance.is_none() && found.differences.is_empty();
+            let aimed = aimed(witness)
+                || self.makers.iter().any(|maker| maker.by_chance.is_none())
+                || self.others.iter().any(aimed);
             if let (false, Some(light)) = (aimed, &witness.by_chance) {
                 return Some(format!("nobody aimed at {light}"));
             }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::candidates::{Candidate, candidates};
+use super::candidates::{Candidate, candidates, split};
 use super::certificate::{Certificate, Maker, OwnError, Pilot, SCHEMA, Witness};
 use super::parts::Parts;
 use super::pilot::{TILE, Tried, judge};
@@ -118,16 +118,22 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
         witness = Some((index, found));
     }
     // Where they differ a third one says who is right, and where the witness may have missed light, what there is of it.
-    let reason = witness.as_ref().and_then(|(_, found)| found.reason_to_ask());
+    let reason = witness.as_ref().and_then(|(second, found)| {
+        let aimed = [maker, *second].iter().any(|index| work.candidates[*index].by_chance.is_none());
+        let nobody = || found.by_chance.as_ref().map(|light| format!("nobody has aimed at {light} yet"));
+        found.reason_to_ask().or_else(|| if aimed { None } else { nobody() })
+    });
     if let (Some((second, found)), Some(why)) = (witness.clone(), reason)
-        && let Some(third) = work.best_witness(main, &[maker, second])
+        && let Some(third) = work.another_witness(main, &[maker, second])?
     {
         let name = work.name(third);
         (work.hear)(Step::Asks(&name, why))?;
         let seconds = work.left().max(work.seconds(second));
         work.run(third, seconds)?;
         let of_maker = work.held_against(maker, third);
-        if of_maker.differences.is_empty() && of_maker.unseen == 0 {
+        if of_maker.reason_to_ask().is_none() && found.reason_to_ask().is_none() {
+            others.push(of_maker);
+        } else if of_maker.reason_to_ask().is_none() {
             others.push(found);
             witness = Some((third, of_maker));
         } else if !found.differences.is_empty() && work.held_against(second, third).reason_to_ask().is_none() {
@@ -207,6 +213,10 @@ struct Work<'a> {
     request: &'a Request<'a>,
     hear: Hear<'a>,
     candidates: Vec<Candidate>,
+    /// Those that are tried only once the others contradict each other.
+    held_back: Vec<Candidate>,
+    /// What was rendered to try them.
+    trials: Vec<(Candidate, Series, f64)>,
     parts: Parts,
     /// The technique that runs, by its index, whose kernels are there.
     runner: Option<(usize, Runner)>,
@@ -218,13 +228,15 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     /// Takes up what was kept, or tries every technique.
     fn begin(request: &'a Request<'a>, hear: Hear<'a>) -> Result<Self> {
-        let all = candidates(request.scene, request.solves, request.settings);
+        let (all, held_back) = split(candidates(request.scene, request.solves, request.settings));
         let parts = request.parts.and_then(|(path, key)| Parts::read(path, key));
         let (budget, now) = (Budget::seconds(request.budget), Instant::now());
         let mut work = Self {
             request,
             hear,
-            candidates: all,
+            candidates: Vec::new(),
+            held_back,
+            trials: Vec::new(),
             parts: parts.unwrap_or_default(),
             runner: None,
             budget: budget.unwrap_or(LEAST_BUDGET),
@@ -232,11 +244,15 @@ impl<'a> Work<'a> {
             kept: now,
         };
         if work.parts.tried.is_empty() {
-            work.try_all(budget)?;
+            work.try_all(all, budget)?;
+            work.parts.pilot_seconds = work.spent();
         } else {
-            // What the device cannot run was dropped when they were tried.
-            let tried: Vec<&str> = work.parts.tried.iter().map(|tried| tried.pilot.technique.as_str()).collect();
-            work.candidates.retain(|candidate| tried.contains(&candidate.technique.describe().as_str()));
+            // What the device cannot run was dropped when they were tried, and what was held back may have been.
+            let both: Vec<Candidate> = all.into_iter().chain(std::mem::take(&mut work.held_back)).collect();
+            let by_name = |tried: &Tried| {
+                both.iter().find(|candidate| candidate.technique.describe() == tried.pilot.technique).cloned()
+            };
+            work.candidates = work.parts.tried.iter().filter_map(by_name).collect();
         }
         Ok(work)
     }
@@ -246,14 +262,15 @@ impl<'a> Work<'a> {
         1 << 31 | (self.request.seed & 0x7f) << 24 | ((slot as u32) & 0xf) << 20
     }
 
-    fn try_all(&mut self, budget: Option<f64>) -> Result<()> {
+    /// Has each of these render for a moment, and judges all that were tried.
+    fn try_all(&mut self, candidates: Vec<Candidate>, budget: Option<f64>) -> Result<()> {
         let Request { gpu, scene, settings, .. } = *self.request;
-        let mut tried: Vec<(Candidate, Series, f64)> = Vec::new();
         let mut refused = None;
-        for (index, candidate) in std::mem::take(&mut self.candidates).into_iter().enumerate() {
+        for candidate in candidates {
             (self.hear)(Step::Tries(&candidate.technique.describe()))?;
             let seconds = (PILOT * self.budget).max(LEAST_PILOT);
-            let mut runner = match Runner::new(gpu, scene, settings, &candidate, self.seeds(index + 8), 0.0) {
+            let seeds = self.seeds(self.trials.len() + 8);
+            let mut runner = match Runner::new(gpu, scene, settings, &candidate, seeds, 0.0) {
                 Ok(runner) => runner,
                 // What the device has no room or no feature for makes no reference.
                 Err(error @ (Error::OutOfMemory { .. } | Error::Usage(_))) => {
@@ -263,20 +280,22 @@ impl<'a> Work<'a> {
                 Err(error) => return Err(error),
             };
             runner.calibrate(0.2 * seconds)?;
-            if let (None, Budget::Samples(samples), []) = (budget, self.request.budget, tried.as_slice()) {
+            if let (None, Budget::Samples(samples), []) = (budget, self.request.budget, self.trials.as_slice()) {
                 self.budget = (samples * runner.seconds_per_sample).max(LEAST_BUDGET);
             }
             let mut series = runner.series(seconds, PILOT_IMAGES);
-            let hear = &mut self.hear;
-            runner.extend(&mut series, seconds, &mut |_| hear(Step::Share(0.0)))?;
-            tried.push((candidate, series, runner.seconds_per_sample));
+            let (hear, spent) = (&mut self.hear, self.parts.spent);
+            let (started, budget) = (self.started, self.budget);
+            runner.extend(&mut series, seconds, &mut |_| {
+                hear(Step::Share(((spent + started.elapsed().as_secs_f64()) / budget).min(1.0)))
+            })?;
+            self.trials.push((candidate, series, runner.seconds_per_sample));
         }
-        if let ([], Some(error)) = (tried.as_slice(), refused) {
+        if let ([], Some(error)) = (self.trials.as_slice(), refused) {
             return Err(error);
         }
-        self.parts.tried = judge(&tried);
-        self.candidates = tried.into_iter().map(|(candidate, ..)| candidate).collect();
-        self.parts.pilot_seconds = self.spent();
+        self.parts.tried = judge(&self.trials);
+        self.candidates = self.trials.iter().map(|(candidate, ..)| candidate.clone()).collect();
         Ok(())
     }
 
@@ -317,6 +336,20 @@ impl<'a> Work<'a> {
         };
         let others = (0..self.candidates.len()).filter(|index| !but.contains(index));
         others.min_by(|a, b| blindness(a).total_cmp(&blindness(b)))
+    }
+
+    /// The same, of those that aim at all light where none of `but` does; where all are spent, those that were held back are tried.
+    fn another_witness(&mut self, seconds: f64, but: &[usize]) -> Result<Option<usize>> {
+        if self.best_witness(seconds, but).is_none() && !self.held_back.is_empty() {
+            let more = std::mem::take(&mut self.held_back);
+            self.try_all(more, None)?;
+        }
+        let by_chance = |index: &usize| self.candidates[*index].by_chance.is_some();
+        let mut excluded = but.to_vec();
+        if but.iter().all(by_chance) {
+            excluded.extend((0..self.candidates.len()).filter(by_chance));
+        }
+        Ok(self.best_witness(seconds, &excluded).or_else(|| self.best_witness(seconds, but)))
     }
 
     /// Has a technique render until its series took so many seconds.

@@ -9,6 +9,7 @@ use super::tails::blur;
 use super::tiles::{Tile, TileMean};
 use crate::film::Image;
 use crate::metrics::RELATIVE_FLOOR;
+use crate::metrics::pixels::worst_share;
 
 /// Tiles by which parts of the image are told apart.
 pub(super) const TILE: u32 = 8;
@@ -75,7 +76,7 @@ pub(super) fn judge(candidates: &[(Candidate, Series, f64)]) -> Vec<Tried> {
                 pixels.map(noise).sum::<f64>() / f64::from(tile.width * tile.height) * series.seconds
             };
             let tiles: Vec<f64> = tiles.iter().map(of_tile).collect();
-            let noise = tiles.iter().sum::<f64>() / tiles.len() as f64;
+            let noise = typical_noise(&variance, &scale) * series.seconds;
             Tried {
                 pilot: Pilot {
                     technique: candidate.technique.describe(),
@@ -101,6 +102,17 @@ pub(super) fn judge(candidates: &[(Candidate, Series, f64)]) -> Vec<Tried> {
         }
     }
     all
+}
+
+/// The mean noise of the pixels without the worst thousandth: whether a moment shows a rare bright sample is luck, and would decide.
+fn typical_noise(variance: &Image, scale: &dyn Fn(usize, usize) -> f64) -> f64 {
+    let of_pixel = |(index, pixel): (usize, &[f32; 3])| -> f64 {
+        pixel.iter().enumerate().map(|(channel, value)| f64::from(*value) * scale(index, channel)).sum()
+    };
+    let mut noise: Vec<f64> = variance.pixels.iter().enumerate().map(of_pixel).collect();
+    let sum: f64 = noise.iter().sum();
+    let share = worst_share(&mut noise);
+    sum * (1.0 - share) / noise.len().max(1) as f64
 }
 
 /// relMSE of the light that one series has and another one lacks, tile by tile.

@@ -5,7 +5,7 @@ use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
-use crate::integrator::{self, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Solves, Values};
+use crate::integrator::{self, Chance, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Solves, Values};
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
@@ -100,9 +100,12 @@ impl Technique {
 
     /// What the technique finds only by chance in this scene, in words; nothing where it aims at all there is.
     pub fn finds_by_chance(&self, scene: &Scene) -> Option<String> {
-        let is_hard = scene.has_smooth() && scene.has_small_lights();
-        let all: Vec<&str> = self.row.by_chance.iter().map(|chance| chance.what()).collect();
-        (is_hard && !all.is_empty()).then(|| all.join(", and "))
+        let has = |chance: &&Chance| match chance {
+            Chance::Caustics | Chance::HiddenCaustics => scene.has_specular() && scene.has_small_lights(),
+            Chance::Reflections => scene.has_specular(),
+        };
+        let all: Vec<&str> = self.row.by_chance.iter().filter(has).map(|chance| chance.what()).collect();
+        (!all.is_empty()).then(|| all.join(", and "))
     }
 
     /// The materials of this scene that the technique takes for diffuse ones, though they are not; nothing where there are none.

@@ -53,11 +53,14 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::layout::{
     AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_PLASTIC,
-    MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
+    LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_LAYERED,
+    MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, NONE, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
     Texture,
 };
 
+/// Roughness (alpha) below which a surface is nearly smooth.
+const NEAR_SMOOTH: f32 = 0.05;
 /// All area lights together are small where their area, beside the square of the scene's radius, is below this.
 const SMALL: f32 = 0.2;
 
@@ -246,6 +249,32 @@ impl Scene {
     pub fn has_smooth(&self) -> bool {
         let smooth = [MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_THIN_DIELECTRIC, MATERIAL_PLASTIC];
         self.materials.iter().any(|material| smooth.contains(&material.kind))
+    }
+
+    /// Whether some material reflects or refracts nearly like a mirror or smooth glass, somewhere: light that it throws elsewhere is found by a
+    /// path from there only by chance.
+    pub fn has_specular(&self) -> bool {
+        let glossy = |material: &Material| {
+            let textured =
+                self.material_textures.get(material.textures as usize).is_some_and(|own| own.roughness != NONE);
+            let alpha = material.alpha_u.min(material.alpha_v);
+            match material.kind {
+                MATERIAL_ROUGH_CONDUCTOR | MATERIAL_ROUGH_DIELECTRIC | MATERIAL_ROUGH_PLASTIC => {
+                    textured || alpha < NEAR_SMOOTH
+                }
+                // Their roughness is perceptual, the root of alpha; a clear coat is there to be smooth.
+                MATERIAL_PRINCIPLED => {
+                    let coated = self.principleds.get(material.detail as usize).is_some_and(|own| own.clearcoat > 0.0);
+                    textured || coated || alpha * alpha < NEAR_SMOOTH
+                }
+                MATERIAL_LAYERED => {
+                    let coated = self.layereds.get(material.detail as usize).is_some_and(|own| own.clearcoat > 0.0);
+                    textured || coated || alpha * alpha < NEAR_SMOOTH
+                }
+                _ => false,
+            }
+        };
+        self.has_smooth() || self.materials.iter().any(glossy)
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.
