@@ -21,6 +21,7 @@ impl Truth {
             mse: found.mse - mse,
             relmse: found.relmse - relmse,
             trimmed_relmse: pixels.trimmed,
+            parts_relmse: pixels.of_parts,
             median_relmse: pixels.median,
             worst_share: pixels.worst_share,
             mape: found.mape,

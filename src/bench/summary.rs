@@ -74,6 +74,7 @@ fn figures(variant: &Variant, runs: &[Run], floor: Floor, pixels: f64, shared: [
         curve: curve(runs, shared),
         efficiency: Interval::geometric(&over(&Point::efficiency)),
         trimmed_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Trimmed))),
+        parts_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Parts))),
         median_efficiency: Interval::geometric(&over(&|point| point.efficiency_by(Figure::Median))),
         worst_share,
         slope: Interval::of(&slopes),
@@ -117,6 +118,7 @@ fn mean_point(points: &[&Point], [of_mse, of_relmse]: [f64; 2]) -> CurvePoint {
         device_seconds: device.map(|values| Interval::of(&values)),
         relmse: over(|point| point.relmse).widened(of_relmse),
         trimmed_relmse: over(|point| point.trimmed_relmse),
+        parts_relmse: over(|point| point.parts_relmse),
         median_relmse: over(|point| point.median_relmse),
         mse: over(|point| point.mse).widened(of_mse),
         mape: over(|point| point.mape),
@@ -131,21 +133,17 @@ fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
     };
     let ratio = |value: &dyn Fn(&Point) -> f64| Ratio::of(&ends(against, value), &ends(variant, value));
     let by = |figure: Figure| ratio(&|point| point.efficiency_by(figure));
-    let (efficiency, trimmed, median) = (by(Figure::Relmse), by(Figure::Trimmed), by(Figure::Median));
+    let (efficiency, parts) = (by(Figure::Relmse), by(Figure::Parts));
     let is_heavy = variant.worst_share.max(against.worst_share) > HEAVY_TAIL;
-    let alike = (efficiency.ratio.mean > 1.0) == (trimmed.ratio.mean > 1.0);
-    // Where few pixels decide the relMSE, one that says what the others deny says nothing.
-    let (decided_by, significant) = match (is_heavy, efficiency.significant) {
-        (false, significant) => (Figure::Relmse, significant),
-        (true, true) if alike => (Figure::Relmse, true),
-        (true, _) => (Figure::Trimmed, trimmed.significant),
-    };
+    let (decided_by, significant) =
+        if is_heavy { (Figure::Parts, parts.significant) } else { (Figure::Relmse, efficiency.significant) };
     Pair {
         variant: variant.name.clone(),
         against: against.name.clone(),
         efficiency,
-        trimmed,
-        median,
+        trimmed: by(Figure::Trimmed),
+        parts,
+        median: by(Figure::Median),
         speed_ratio: ratio(&|point| point.per_second(point.spp as f64)).ratio,
         decided_by,
         significant,

@@ -15,7 +15,7 @@ pub(super) fn run() -> Result<()> {
     for row in INTEGRATORS {
         print(&format!("{:<14} {}", row.name, row.title));
         for (what, text) in about(row) {
-            print(&indented(&format!("{what:<9}"), &text));
+            print(&indented(&format!("{what:<10}"), &text));
         }
         for parameter in row.parameters {
             let values = match parameter.values {
@@ -43,6 +43,9 @@ fn about(row: &Integrator) -> Vec<(&'static str, String)> {
     let mut lines = vec![("solves", row.solves.what().to_owned()), ("bias", bias)];
     if !row.misses.is_empty() {
         lines.push(("misses", all_of(row.misses.iter().map(|missing| missing.what()))));
+    }
+    if !row.by_chance.is_empty() {
+        lines.push(("by chance", all_of(row.by_chance.iter().map(|chance| chance.what()))));
     }
     lines.extend([("good at", row.good_at.to_owned()), ("bad at", row.bad_at.to_owned())]);
     lines.push(("measured", row.measured.replace('`', "")));

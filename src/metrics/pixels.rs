@@ -5,6 +5,8 @@ use crate::film::Image;
 
 /// The share of the pixels that is left out as the worst: at least one.
 pub const WORST: f64 = 1e-3;
+/// Parts of an image whose means have a median: bright pixels in three of them do not decide it.
+pub const PARTS: usize = 8;
 /// Median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 
@@ -34,6 +36,9 @@ pub struct PixelErrors {
     pub trimmed: f64,
     /// Their median.
     pub median: f64,
+    /// Their mean as the median of the means of [`PARTS`] parts of the image, into which they are dealt at random (Nemirovsky and Yudin 1983):
+    /// bright samples count where they are so many that most parts have some, and not where they are few.
+    pub of_parts: f64,
     /// Share of their sum that the worst [`WORST`] make.
     pub worst_share: f64,
 }
@@ -67,6 +72,7 @@ pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) 
         Some(variance) => per_pixel(variance, reference, |w, _| w),
         None => vec![0.0; errors.len()],
     };
+    let of_parts = median_of_parts(errors.iter().zip(&noise).map(|(error, noise)| error - noise));
     let mut pixels: Vec<(f64, f64)> = errors.into_iter().zip(noise).filter(|(error, _)| error.is_finite()).collect();
     if pixels.is_empty() {
         return PixelErrors::default();
@@ -80,9 +86,30 @@ pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) 
     let middle = pixels.len() / 2;
     let all = errors(&pixels);
     PixelErrors {
+        of_parts,
         trimmed: sum(most) / most.len().max(1) as f64,
         median: pixels[middle].0 - MEDIAN_OF_SQUARE * noises[middle],
         worst_share: if all > 0.0 { errors(tail) / all } else { 0.0 },
+    }
+}
+
+/// The median of the means of parts into which the pixels are dealt, the same for every image.
+fn median_of_parts(errors: impl Iterator<Item = f64>) -> f64 {
+    let mut parts = [(0.0, 0.0); PARTS];
+    for (pixel, error) in errors.enumerate().filter(|(_, error)| error.is_finite()) {
+        // Multiplicative hashing (Knuth, The Art of Computer Programming, section 6.4): neighbours go to different parts.
+        let part = (pixel as u32).wrapping_mul(2_654_435_769) >> 16;
+        let (sum, count) = &mut parts[part as usize % PARTS];
+        *sum += error;
+        *count += 1.0;
+    }
+    let mut means: Vec<f64> = parts.iter().filter(|(_, count)| *count > 0.0).map(|(sum, count)| sum / count).collect();
+    means.sort_by(f64::total_cmp);
+    let middle = means.len() / 2;
+    match means.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => means[middle],
+        _ => 0.5 * (means[middle - 1] + means[middle]),
     }
 }
 
@@ -106,6 +133,12 @@ mod tests {
         assert!((calm.median - 0.04 / 1.01).abs() < 1e-5 && calm.worst_share < 0.002, "{calm:?}");
         assert!((struck.trimmed / calm.trimmed - 1.0).abs() < 2e-3 && struck.median == calm.median, "{struck:?}");
         assert!(struck.worst_share > 0.99, "{struck:?}");
+        assert!((struck.of_parts / calm.of_parts - 1.0).abs() < 0.05, "{struck:?} {calm:?}");
+        assert!((calm.of_parts / calm.trimmed - 1.0).abs() < 0.05, "{calm:?}");
+        // Sixty of them are what there is: the trimmed mean, too, has most of them.
+        let many = |k: u32| if k % 33 == 7 { 1000.0 } else { off(k) };
+        let rain = pixel_errors(&image((0..2000).map(many)), &reference, None);
+        assert!((rain.of_parts / (999.0f64.powi(2) / 1.01 / 33.0) - 1.0).abs() < 0.3, "{rain:?}");
     }
 
     #[test]

@@ -109,7 +109,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
 
     let mut others = Vec::new();
     let mut witness = None;
-    if let Some(index) = work.best_witness(main, &[maker]) {
+    if let Some(index) = work.first_witness(main, maker) {
         let seconds = CHECKING / (1.0 - MAKING) * work.left().max(LEAST_LEFT * work.budget);
         let name = work.name(index);
         (work.hear)(Step::Checks(&name, seconds))?;
@@ -336,6 +336,16 @@ impl<'a> Work<'a> {
         };
         let others = (0..self.candidates.len()).filter(|index| !but.contains(index));
         others.min_by(|a, b| blindness(a).total_cmp(&blindness(b)))
+    }
+
+    /// The same, of those that are not blurred where the maker is: what both have of the image then has less blur, and most of it none.
+    fn first_witness(&self, seconds: f64, maker: usize) -> Option<usize> {
+        let blurred = |index: &usize| self.candidates[*index].is_consistent;
+        let mut excluded = vec![maker];
+        if blurred(&maker) {
+            excluded.extend((0..self.candidates.len()).filter(blurred));
+        }
+        self.best_witness(seconds, &excluded).or_else(|| self.best_witness(seconds, &[maker]))
     }
 
     /// The same, of those that aim at all light where none of `but` does; where all are spent, those that were held back are tried.

@@ -8,10 +8,10 @@ use crate::bench::stats::Interval;
 /// `scene`, `file`, `width`, `height`, `variant`, `renderer`, `technique`, `backend`, `options` (separated by spaces) and
 /// `bias` say what was run; `seeds` how many runs the means are over, and `point` counts the curve's points from 0. Then,
 /// for each quantity, its mean and the ends of its interval: `seconds` of rendering by the host's clock, `device_seconds` in
-/// the kernels (empty where not measured), and the errors `relmse`, `trimmed_relmse` (without the worst thousandth of the pixels),
+/// the kernels (empty where not measured), and the errors `relmse`, `parts_relmse` (the median of eight parts), `trimmed_relmse` (without the worst thousandth of the pixels),
 /// `median_relmse` (median of the pixels' squared relative errors), `mse`, `mape` and `flip`. All numbers are written so that they
 /// read back exactly.
-pub const COLUMNS: [&str; 37] = [
+pub const COLUMNS: [&str; 40] = [
     "scene",
     "file",
     "width",
@@ -34,6 +34,9 @@ pub const COLUMNS: [&str; 37] = [
     "relmse",
     "relmse_low",
     "relmse_high",
+    "parts_relmse",
+    "parts_relmse_low",
+    "parts_relmse_high",
     "trimmed_relmse",
     "trimmed_relmse_low",
     "trimmed_relmse_high",
@@ -76,6 +79,7 @@ pub fn table(results: &Results) -> String {
                     Some(point.seconds),
                     point.device_seconds,
                     Some(point.relmse),
+                    Some(point.parts_relmse),
                     Some(point.trimmed_relmse),
                     Some(point.median_relmse),
                     Some(point.mse),

@@ -13,6 +13,7 @@ impl Figure {
         match self {
             Self::Relmse => "relMSE",
             Self::Trimmed => "trimmed relMSE",
+            Self::Parts => "relMSE of parts",
             Self::Median => "median",
         }
     }
@@ -22,6 +23,7 @@ impl Figure {
         match self {
             Self::Relmse => "the relMSE",
             Self::Trimmed => "the relMSE without the worst thousandth of pixels",
+            Self::Parts => "the relMSE of eight parts of the image, their median",
             Self::Median => "the median of the pixels' squared relative errors",
         }
     }
@@ -33,6 +35,7 @@ impl Pair {
         match figure {
             Figure::Relmse => &self.efficiency,
             Figure::Trimmed => &self.trimmed,
+            Figure::Parts => &self.parts,
             Figure::Median => &self.median,
         }
     }
@@ -49,6 +52,7 @@ impl VariantResults {
         match figure {
             Figure::Relmse => &self.efficiency,
             Figure::Trimmed => &self.trimmed_efficiency,
+            Figure::Parts => &self.parts_efficiency,
             Figure::Median => &self.median_efficiency,
         }
     }
@@ -60,9 +64,9 @@ impl VariantResults {
 }
 
 impl SceneResults {
-    /// The figure of error that its variants are ordered by: relMSE, or the trimmed one where that decides between any of them and the first.
+    /// The figure of error that its variants are ordered by: relMSE, or that of parts where it decides between any of them and the first.
     pub fn ordered_by(&self) -> Figure {
-        if self.pairs.iter().any(|pair| pair.decided_by == Figure::Trimmed) { Figure::Trimmed } else { Figure::Relmse }
+        if self.pairs.iter().any(|pair| pair.decided_by == Figure::Parts) { Figure::Parts } else { Figure::Relmse }
     }
 
     /// The variants with their numbers, the most efficient first.

@@ -99,8 +99,8 @@ fn glossary(results: &Results) -> String {
             "mean of (a − b)² / (b² + 0.01) over pixels and channels, a the image and b the reference; the reference's own noise is taken off, so that a small value can be negative.",
         ),
         (
-            "Trimmed relMSE, median",
-            "the relMSE without the worst thousandth of the pixels, and the median of the pixels' squared relative errors. A single firefly, a pixel with a rare and very bright sample, can make most of a relMSE; it does not change these two. What they leave out is error all the same: of a technique whose error is all in few pixels they tell too little.",
+            "relMSE of parts, trimmed relMSE, median",
+            "the median of the means of eight parts of the image, into which the pixels are dealt at random; the relMSE without the worst thousandth of the pixels, and the median of the pixels' squared relative errors. A single firefly, a pixel with a rare and very bright sample, can make most of a relMSE; it does not change these three, and where bright samples are many, that of parts has them. What they leave out is error all the same: of a technique whose error is all in few pixels they tell too little.",
         ),
         (
             "Few pixels decide",
@@ -124,11 +124,11 @@ fn glossary(results: &Results) -> String {
         ),
         (
             "Efficiency",
-            "1 / (error × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs. The error is the relMSE; in scenes where the trimmed relMSE decides any ratio, it is the trimmed one for all variants, and the table says so.",
+            "1 / (error × seconds of rendering): twice the efficiency reaches the same error in half the time. Geometric mean over runs. The error is the relMSE; in scenes where the relMSE of parts decides any ratio, it is that of parts for all variants, and the table says so.",
         ),
         (
             "Ratio, and which test decides",
-            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, it counts only if it is significant and the trimmed relMSE says the same; else the test of the trimmed relMSE decides.",
+            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, it goes by the relMSE of parts.",
         ),
         (
             "Slope",

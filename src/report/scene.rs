@@ -18,8 +18,9 @@ struct Metric {
     slope: Option<(f64, &'static str)>,
 }
 
-const METRICS: [Metric; 6] = [
+const METRICS: [Metric; 7] = [
     Metric { id: "relmse", name: "relMSE", of: |point| point.relmse, slope: Some((-1.0, "slope −1")) },
+    Metric { id: "parts", name: "relMSE of parts", of: |point| point.parts_relmse, slope: Some((-1.0, "slope −1")) },
     Metric {
         id: "trimmed", name: "trimmed relMSE", of: |point| point.trimmed_relmse, slope: Some((-1.0, "slope −1"))
     },
@@ -182,7 +183,7 @@ fn levels(scene: &SceneResults, metric: &Metric) -> Vec<Level<'static>> {
     let Some(own) = Own::of(&scene.reference) else { return Vec::new() };
     let label = match (metric.id, own.at_least) {
         ("relmse", true) => "reference’s own error, at least",
-        ("relmse" | "trimmed", false) => "reference’s own error",
+        ("relmse" | "parts" | "trimmed", false) => "reference’s own error",
         _ => return Vec::new(),
     };
     vec![Level { value: own.relmse, label }]

@@ -3,7 +3,7 @@
 use super::chart::key;
 use super::html::escape;
 use super::number;
-use crate::bench::results::{Figure, Pair, Results, SceneResults, Setup, VariantResults};
+use crate::bench::results::{CurvePoint, Figure, Pair, Results, SceneResults, Setup, VariantResults};
 use crate::bench::stats::Interval;
 
 /// Stands before what the reader must not miss. The second character asks for letters, not for a coloured picture.
@@ -41,12 +41,10 @@ const OVERVIEW: Table = Table {
 
 const BY_FIGURE: Table = Table {
     columns: &[
-        ("relMSE", ""),
-        ("Ratio", "by relMSE"),
-        ("Trimmed", "relMSE"),
-        ("Ratio", "by trimmed"),
-        ("Median", "of the pixels"),
-        ("Ratio", "by median"),
+        ("relMSE", "and ratio"),
+        ("Of parts", "relMSE and ratio"),
+        ("Trimmed", "relMSE and ratio"),
+        ("Median", "of pixels, and ratio"),
         ("Worst pixels", "share of relMSE"),
     ],
     cells: by_figure,
@@ -78,8 +76,9 @@ pub fn section(results: &Results) -> String {
     };
     let by_figure = details(
         "Error that few pixels do not decide",
-        "A few bright samples can make most of a relMSE. The trimmed one leaves out the worst thousandth of the pixels, and the median does \
-         not see bright pixels at all. Ratios are those of efficiencies to the scene's first variant; “decides” marks the one that \
+        "A few bright samples can make most of a relMSE. That of parts is the median of the means of eight parts of the image: it counts bright \
+         samples where most parts have some. The trimmed one leaves out the worst thousandth of the pixels, and the median does not see \
+         bright pixels at all. Ratios are those of efficiencies to the scene's first variant; “decides” marks the one that \
          the verdict goes by.",
         &BY_FIGURE,
     );
@@ -246,20 +245,18 @@ fn by_figure(scene: &SceneResults, _: usize, variant: &VariantResults) -> Vec<St
         Some(pair) => {
             let found = pair.by(figure);
             let decides = if pair.decided_by == figure { " <small class=\"mark decides\">decides</small>" } else { "" };
-            format!("{} {}{decides}", interval(&found.ratio), significance(found.significant))
+            format!("<hr/>× {} {}{decides}", interval(&found.ratio), significance(found.significant))
         }
-        None if is_first(scene, variant) => String::from("1"),
-        None => none(),
+        None => String::new(),
     };
+    let cell = |figure: Figure, value: fn(&CurvePoint) -> &Interval| of(last.map(value)) + &ratio(figure);
     let share = format!("{} %", number::trimmed((1000.0 * variant.worst_share).round() / 10.0));
     let mark = if variant.is_heavy() { " <small class=\"mark warning\">few pixels decide</small>" } else { "" };
     vec![
-        of(last.map(|point| &point.relmse)),
-        ratio(Figure::Relmse),
-        of(last.map(|point| &point.trimmed_relmse)),
-        ratio(Figure::Trimmed),
-        of(last.map(|point| &point.median_relmse)),
-        ratio(Figure::Median),
+        cell(Figure::Relmse, |point| &point.relmse),
+        cell(Figure::Parts, |point| &point.parts_relmse),
+        cell(Figure::Trimmed, |point| &point.trimmed_relmse),
+        cell(Figure::Median, |point| &point.median_relmse),
         share + mark,
     ]
 }

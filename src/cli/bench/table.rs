@@ -25,7 +25,7 @@ fn print_scene(scene: &SceneResults) {
     let width = variants.iter().map(|(_, variant)| variant.name.len()).max().unwrap_or(0);
     let efficiency = match figure {
         bench::Figure::Relmse => "1/(relMSE s)",
-        _ => "1/(trimmed relMSE s)",
+        _ => "1/(relMSE of parts s)",
     };
     print(&format!("{:width$}  {efficiency:<26} relMSE    seconds      spp  Msamples/s  slope", "variant"));
     for (_, variant) in variants {
