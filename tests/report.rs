@@ -144,6 +144,7 @@ fn pair(index: usize, significant: bool) -> Pair {
         median: Ratio { ratio: around(44.4), significant: false },
         speed_ratio: exact(0.0),
         decided_by,
+        tested_by: if index == 1 { Figure::Relmse } else { Figure::Trimmed },
         significant,
     }
 }
@@ -354,6 +355,7 @@ fn in_earnest() -> Results {
             median: ratio(3.456 * scale),
             speed_ratio: of(1.234),
             decided_by: [Figure::Relmse, Figure::Parts][index % 2],
+            tested_by: [Figure::Relmse, Figure::Trimmed][index % 2],
             significant: index % 2 == 0,
         }
     };

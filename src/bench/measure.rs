@@ -12,8 +12,8 @@ impl Truth {
     /// error of a and the variance of b.
     pub fn point(&self, snapshot: &Snapshot) -> Result<Point> {
         let found = compare(&snapshot.image, &self.image)?;
-        let pixels = pixel_errors(&snapshot.image, &self.image, self.variance.as_ref());
-        let [mse, relmse] = self.noise();
+        let pixels = pixel_errors(&snapshot.image, &self.image, self.variance.as_ref(), self.noise.as_ref());
+        let [mse, relmse] = self.noise_of_errors();
         Ok(Point {
             spp: snapshot.spp.round() as u64,
             seconds: snapshot.seconds,

@@ -270,9 +270,11 @@ pub struct Pair {
     pub median: Ratio,
     /// Its samples per second over the other's.
     pub speed_ratio: Interval,
-    /// The figure whose test fits the tails: relMSE, or that of eight parts where few pixels decide the relMSE of either variant.
+    /// The figure that the ratio is told by: relMSE, or that of eight parts where few pixels decide the relMSE of either variant.
     pub decided_by: Figure,
-    /// Whether the efficiencies differ by that figure.
+    /// The figure whose test fits the tails: relMSE, or without the worst pixels where few of them decide.
+    pub tested_by: Figure,
+    /// Whether the efficiencies differ by that test, and the same way as the ratio.
     pub significant: bool,
 }
 

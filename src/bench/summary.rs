@@ -133,19 +133,25 @@ fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
     };
     let ratio = |value: &dyn Fn(&Point) -> f64| Ratio::of(&ends(against, value), &ends(variant, value));
     let by = |figure: Figure| ratio(&|point| point.efficiency_by(figure));
-    let (efficiency, parts) = (by(Figure::Relmse), by(Figure::Parts));
+    let (efficiency, parts, trimmed) = (by(Figure::Relmse), by(Figure::Parts), by(Figure::Trimmed));
     let is_heavy = variant.worst_share.max(against.worst_share) > HEAVY_TAIL;
-    let (decided_by, significant) =
-        if is_heavy { (Figure::Parts, parts.significant) } else { (Figure::Relmse, efficiency.significant) };
+    // How much better a technique is that lacks rare samples, they tell; whether it is, all other pixels do.
+    let alike = (parts.ratio.mean > 1.0) == (trimmed.ratio.mean > 1.0);
+    let (decided_by, tested_by, significant) = if is_heavy {
+        (Figure::Parts, Figure::Trimmed, trimmed.significant && alike)
+    } else {
+        (Figure::Relmse, Figure::Relmse, efficiency.significant)
+    };
     Pair {
         variant: variant.name.clone(),
         against: against.name.clone(),
         efficiency,
-        trimmed: by(Figure::Trimmed),
+        trimmed,
         parts,
         median: by(Figure::Median),
         speed_ratio: ratio(&|point| point.per_second(point.spp as f64)).ratio,
         decided_by,
+        tested_by,
         significant,
     }
 }

@@ -61,12 +61,17 @@ pub fn squared_errors(image: &Image, reference: &Image) -> Vec<f64> {
     per_pixel(image, reference, |a, b| (a - b).powi(2))
 }
 
-/// The figures of an image against a reference, with the variance of the reference's pixels where that is known. Pixels that are not
-/// finite are left out.
+/// The figures of an image against a reference, with the variance of the reference's pixels and one more error of the kind that it has, where
+/// these are known. Pixels that are not finite are left out.
 ///
-/// The variance is taken off each pixel that stays in the mean. Off the median goes what that of a reference without any other error
-/// would be, 0.455 times the median of the variances: exact where image and reference are normal with variances in proportion.
-pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) -> PixelErrors {
+/// The variance is taken off each pixel that stays in a mean. Off the median goes that of the reference's own squared errors, which is right
+/// where the errors of both are distributed alike; where it has no more than variances, 0.455 times their median, as of normal errors.
+pub fn pixel_errors(
+    image: &Image,
+    reference: &Image,
+    variance: Option<&Image>,
+    own_error: Option<&Image>,
+) -> PixelErrors {
     let errors = squared_errors(image, reference);
     let noise = match variance {
         Some(variance) => per_pixel(variance, reference, |w, _| w),
@@ -81,16 +86,24 @@ pub fn pixel_errors(image: &Image, reference: &Image, variance: Option<&Image>) 
     let (most, tail) = pixels.split_at(pixels.len() - worst(pixels.len()));
     let sum = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, noise)| error - noise).sum::<f64>();
     let errors = |pixels: &[(f64, f64)]| pixels.iter().map(|(error, _)| error).sum::<f64>();
-    let mut noises: Vec<f64> = pixels.iter().map(|(_, noise)| *noise).collect();
-    noises.sort_by(f64::total_cmp);
+    let median_of_own = match own_error {
+        Some(own) => median(per_pixel(own, reference, |error, _| error * error)),
+        None => MEDIAN_OF_SQUARE * median(pixels.iter().map(|(_, noise)| *noise).collect()),
+    };
     let middle = pixels.len() / 2;
     let all = errors(&pixels);
     PixelErrors {
         of_parts,
         trimmed: sum(most) / most.len().max(1) as f64,
-        median: pixels[middle].0 - MEDIAN_OF_SQUARE * noises[middle],
+        median: pixels[middle].0 - median_of_own,
         worst_share: if all > 0.0 { errors(tail) / all } else { 0.0 },
     }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    values.sort_by(f64::total_cmp);
+    values.get(middle).copied().unwrap_or(0.0)
 }
 
 /// The median of the means of parts into which the pixels are dealt, the same for every image.
@@ -126,8 +139,9 @@ mod tests {
     fn one_firefly_decides_the_mean_alone() {
         let reference = image((0..2000).map(|_| 1.0));
         let off = |k: u32| if k.is_multiple_of(2) { 1.1 } else { 0.8 };
-        let calm = pixel_errors(&image((0..2000).map(off)), &reference, None);
-        let struck = pixel_errors(&image((0..2000).map(|k| if k == 77 { 1000.0 } else { off(k) })), &reference, None);
+        let calm = pixel_errors(&image((0..2000).map(off)), &reference, None, None);
+        let struck =
+            pixel_errors(&image((0..2000).map(|k| if k == 77 { 1000.0 } else { off(k) })), &reference, None, None);
         // Half of the pixels are 0.1 off, half 0.2: 0.01 and 0.04 over 1.01.
         assert!((calm.trimmed - 0.025 / 1.01).abs() < 2e-5, "{calm:?}");
         assert!((calm.median - 0.04 / 1.01).abs() < 1e-5 && calm.worst_share < 0.002, "{calm:?}");
@@ -137,7 +151,7 @@ mod tests {
         assert!((calm.of_parts / calm.trimmed - 1.0).abs() < 0.05, "{calm:?}");
         // Sixty of them are what there is: the trimmed mean, too, has most of them.
         let many = |k: u32| if k % 33 == 7 { 1000.0 } else { off(k) };
-        let rain = pixel_errors(&image((0..2000).map(many)), &reference, None);
+        let rain = pixel_errors(&image((0..2000).map(many)), &reference, None, None);
         assert!((rain.of_parts / (999.0f64.powi(2) / 1.01 / 33.0) - 1.0).abs() < 0.3, "{rain:?}");
     }
 
@@ -146,7 +160,11 @@ mod tests {
         // An exact image against references with the noise of +-s: all of the error is theirs.
         let noisy = image((0..4000).map(|k| if k % 2 == 0 { 1.02 } else { 0.98 }));
         let variance = image((0..4000).map(|_| 4e-4));
-        let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance));
+        let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance), None);
         assert!(found.trimmed.abs() < 1e-7, "{found:?}");
+        // Half of all errors are +-s, and so is what is known of the reference's.
+        let own = image((0..4000).map(|k| if k % 3 == 0 { 0.02 } else { -0.02 }));
+        let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance), Some(&own));
+        assert!(found.median.abs() < 2e-5, "{found:?}");
     }
 }

@@ -11,6 +11,8 @@ use crate::output::{NamedLayer, Picture, write_picture};
 
 /// The name of the EXR layer that holds the variance of each pixel's mean, as `lumbre render --aov variance` writes it.
 const VARIANCE: &str = "variance";
+/// That of an error of the kind that it has.
+const NOISE: &str = "noise";
 /// That of the picture of where its witness differs.
 const DIFFERENCE: &str = "difference";
 /// The attribute of the header that holds the certificate as JSON.
@@ -41,7 +43,8 @@ pub fn read(path: &Path, width: u32, height: u32) -> Result<Truth> {
         return Err(Error::read(path, "the image is black: nothing can be compared with it"));
     }
     let variance = read_layer(path, VARIANCE)?.filter(|layer| is_variance(layer, width, height));
-    let truth = Truth::new(image, variance);
+    let noise = read_layer(path, NOISE)?.filter(|layer| (layer.width, layer.height) == (width, height));
+    let truth = Truth::new(image, variance).with_noise(noise);
     let Some(certificate) = read_certificate(path)? else { return Ok(truth) };
     Ok(truth.certified(certificate).with_difference_map(read_layer(path, DIFFERENCE)?))
 }
@@ -64,7 +67,7 @@ pub fn read_certificate(path: &Path) -> Result<Option<Certificate>> {
 
 /// Writes a reference with what is known of it.
 pub fn write(path: &Path, truth: &Truth) -> Result<()> {
-    let layers = [(VARIANCE, &truth.variance), (DIFFERENCE, &truth.difference_map)];
+    let layers = [(VARIANCE, &truth.variance), (NOISE, &truth.noise), (DIFFERENCE, &truth.difference_map)];
     let layers = layers.into_iter().filter_map(|(name, image)| {
         image.as_ref().map(|image| NamedLayer { name: name.to_owned(), image: image.clone() })
     });

@@ -132,15 +132,15 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
         work.run(third, seconds)?;
         let of_maker = work.held_against(maker, third);
         if of_maker.reason_to_ask().is_none() && found.reason_to_ask().is_none() {
-            others.push(of_maker);
+            others.push((third, of_maker));
         } else if of_maker.reason_to_ask().is_none() {
-            others.push(found);
+            others.push((second, found));
             witness = Some((third, of_maker));
         } else if !found.differences.is_empty() && work.held_against(second, third).reason_to_ask().is_none() {
             // Two against one: the better of them goes on from what it has.
             let agreeing = work.best(main, &|index| index == second || index == third).unwrap_or(second);
             let other = if agreeing == second { third } else { second };
-            others.push(work.held_against(agreeing, maker));
+            others.push((maker, work.held_against(agreeing, maker)));
             let name = work.name(agreeing);
             (work.hear)(Step::Makes(&name, main))?;
             work.run(agreeing, main)?;
@@ -148,10 +148,10 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
             let found = work.held_against(maker, other);
             witness = Some((other, found));
         } else if of_maker.differences.len() < found.differences.len() {
-            others.push(found);
+            others.push((second, found));
             witness = Some((third, of_maker));
         } else {
-            others.push(of_maker);
+            others.push((third, of_maker));
         }
     } else if work.left() > 0.0 {
         work.run(maker, work.seconds(maker) + work.left())?;
@@ -413,43 +413,51 @@ impl<'a> Work<'a> {
         hold_against((settings.width, settings.height), &own, other, &self.name(witness), kinds)
     }
 
-    /// The share of the witness in each pixel, by the errors that the pilot lets expect of both after the seconds that they had: it does not
-    /// depend on the values that it weighs.
-    fn shares(&self, maker: usize, witness: usize) -> Vec<f32> {
+    /// The weights of some techniques in each pixel, by the errors that the pilot lets expect of them after the seconds that they had: these
+    /// do not depend on the values that they weigh.
+    fn weights(&self, techniques: &[usize]) -> Vec<Vec<f32>> {
         let (width, height) = (self.request.settings.width, self.request.settings.height);
-        let precision = |index: usize, tile: usize| {
-            1.0 / self.parts.tried[index].expected_in(tile, self.seconds(index)).max(f64::MIN_POSITIVE)
-        };
-        let mut shares = vec![0.0; (width * height) as usize];
+        let mut weights = vec![vec![0.0; (width * height) as usize]; techniques.len()];
         for (number, tile) in Tile::all(width, height, TILE).enumerate() {
-            let (own, other) = (precision(maker, number), precision(witness, number));
-            let share = (other / (own + other)) as f32;
-            tile.pixels(width).for_each(|pixel| shares[pixel] = share);
+            let precision = |index: &usize| {
+                1.0 / self.parts.tried[*index].expected_in(number, self.seconds(*index)).max(f64::MIN_POSITIVE)
+            };
+            let precisions: Vec<f64> = techniques.iter().map(precision).collect();
+            let sum: f64 = precisions.iter().sum();
+            for (own, precision) in weights.iter_mut().zip(&precisions) {
+                tile.pixels(width).for_each(|pixel| own[pixel] = (precision / sum) as f32);
+            }
         }
-        shares
+        weights
     }
 
-    fn finish(mut self, maker: usize, witness: Option<(usize, Witness)>, others: Vec<Witness>) -> Result<Truth> {
+    fn finish(
+        mut self,
+        maker: usize,
+        witness: Option<(usize, Witness)>,
+        others: Vec<(usize, Witness)>,
+    ) -> Result<Truth> {
         self.runner = None;
         let (width, height) = (self.request.settings.width, self.request.settings.height);
         let own = self.series(maker);
         let of_maker = |tile: Tile, channel: usize| TileMean::of_series(own, tile, channel);
         let map = witness.as_ref().map(|(index, _)| map_of((width, height), &of_maker, self.series(*index)));
-        // A witness that agrees becomes a part of the image, unless it would blur it.
-        let joins = |(index, found): &&(usize, Witness)| {
-            let blurs = self.series(*index).is_blurred && !own.is_blurred;
-            found.reason_to_ask().is_none() && !blurs && self.series(*index).images.len() == own.images.len()
+        // Whoever does not differ becomes a part of the image, unless that would blur it.
+        let joins = |index: &usize, found: &Witness| {
+            let series = self.series(*index);
+            let blurs = series.is_blurred && !own.is_blurred;
+            found.differences.is_empty() && !blurs && series.images.len() == own.images.len()
         };
-        let mut shares = vec![(maker, 1.0)];
-        let mixed = match witness.as_ref().filter(joins) {
-            None => own.clone(),
-            Some((index, _)) => {
-                let weights = self.shares(maker, *index);
-                let share = weights.iter().map(|share| f64::from(*share)).sum::<f64>() / weights.len().max(1) as f64;
-                shares = vec![(maker, 1.0 - share), (*index, share)];
-                own.mixed(self.series(*index), &weights)
-            }
+        let heard = witness.iter().chain(&others);
+        let mut techniques = vec![maker];
+        techniques.extend(heard.filter(|(index, found)| joins(index, found)).map(|(index, _)| *index));
+        let weights = self.weights(&techniques);
+        let mean = |weights: &Vec<f32>| {
+            weights.iter().map(|weight| f64::from(*weight)).sum::<f64>() / weights.len().max(1) as f64
         };
+        let shares: Vec<(usize, f64)> = techniques.iter().copied().zip(weights.iter().map(mean)).collect();
+        let parts: Vec<(&Series, Vec<f32>)> = techniques.iter().map(|index| self.series(*index)).zip(weights).collect();
+        let mixed = if parts.len() == 1 { own.clone() } else { Series::mixed(&parts) };
         let mut error = own_error(&mixed);
         if mixed.is_blurred {
             error.bias = blur(&mixed, 2.0);
@@ -462,8 +470,11 @@ impl<'a> Work<'a> {
             by_chance: self.candidates[*index].by_chance.clone(),
         };
         let makers = shares.iter().map(maker).collect();
-        let truth = Truth::new(mixed.mean(), Some(mixed.variance()));
-        let certificate = self.certificate(makers, error, witness.map(|(_, found)| found), others);
+        let truth = Truth::new(mixed.mean(), Some(mixed.variance())).with_noise(mixed.noise());
+        let certificate = {
+            let found = |(_, found): (usize, Witness)| found;
+            self.certificate(makers, error, witness.map(found), others.into_iter().map(found).collect())
+        };
         Ok(truth.certified(certificate).with_difference_map(map))
     }
 

@@ -15,6 +15,8 @@ use crate::metrics::pixels::worst_share;
 pub(super) const TILE: u32 = 8;
 /// Deviations beyond which a technique that finds some light by chance is taken to have missed it.
 const MISSED: f64 = 3.0;
+/// Deviations beyond which it is not to be relied upon in a tile.
+const SUSPECTED: f64 = 1.0;
 /// Blur of a long rendering falls with the number of samples like radius^4, samples^(2 (alpha - 1)) with the default alpha.
 const BLUR_FALLS: f64 = -2.0 / 3.0;
 /// Deviations that the blur of a technique is given beyond its estimate: enough not to take it for nothing.
@@ -33,6 +35,8 @@ pub(super) struct Tried {
     pub seconds_per_sample: f64,
     /// relMSE x seconds of its noise in each tile.
     pub tiles: Vec<f64>,
+    /// relMSE of the light that it was seen to lack in each tile or beside it.
+    pub lacks: Vec<f64>,
 }
 
 impl Tried {
@@ -43,7 +47,8 @@ impl Tried {
 
     /// The same in one tile.
     pub fn expected_in(&self, tile: usize, seconds: f64) -> f64 {
-        self.tiles[tile] / seconds.max(f64::MIN_POSITIVE) + self.lacking(seconds)
+        let lacking = if self.is_consistent { self.lacking(seconds) } else { self.lacks[tile] };
+        self.tiles[tile] / seconds.max(f64::MIN_POSITIVE) + lacking
     }
 
     fn lacking(&self, seconds: f64) -> f64 {
@@ -64,6 +69,7 @@ pub(super) fn judge(candidates: &[(Candidate, Series, f64)]) -> Vec<Tried> {
     let base: Vec<[f32; 3]> =
         (0..first.pixels.len()).map(|pixel| std::array::from_fn(|channel| median(pixel, channel))).collect();
     let scale = |pixel: usize, channel: usize| 1.0 / (f64::from(base[pixel][channel]).powi(2) + RELATIVE_FLOOR) / 3.0;
+    let size = (first.width, first.height);
     let tiles: Vec<Tile> = Tile::all(first.width, first.height, TILE).collect();
     let mut all: Vec<Tried> = candidates
         .iter()
@@ -87,6 +93,7 @@ pub(super) fn judge(candidates: &[(Candidate, Series, f64)]) -> Vec<Tried> {
                 },
                 is_consistent: candidate.is_consistent,
                 seconds_per_sample: *seconds_per_sample,
+                lacks: vec![0.0; tiles.len()],
                 tiles: tiles.iter().map(|own| (1.0 - SHARED) * own + SHARED * noise).collect(),
             }
         })
@@ -98,7 +105,10 @@ pub(super) fn judge(candidates: &[(Candidate, Series, f64)]) -> Vec<Tried> {
     let Some(finder) = finder else { return all };
     for index in 0..all.len() {
         if all[index].pilot.by_chance.is_some() {
-            all[index].pilot.lacking = missed(&candidates[index].1, &candidates[finder].1, &tiles);
+            let lacking = |deviations| missed(&candidates[index].1, &candidates[finder].1, &size, deviations);
+            let sure = lacking(MISSED);
+            all[index].pilot.lacking = sure.iter().sum::<f64>() / sure.len().max(1) as f64;
+            all[index].lacks = beside(&lacking(SUSPECTED), first.width.div_ceil(TILE) as usize);
         }
     }
     all
@@ -115,17 +125,29 @@ fn typical_noise(variance: &Image, scale: &dyn Fn(usize, usize) -> f64) -> f64 {
     sum * (1.0 - share) / noise.len().max(1) as f64
 }
 
-/// relMSE of the light that one series has and another one lacks, tile by tile.
-fn missed(series: &Series, finder: &Series, tiles: &[Tile]) -> f64 {
-    let lacking = |tile: &Tile| -> f64 {
+/// relMSE of the light that one series has and another one lacks, in each tile where they differ by so many deviations.
+fn missed(series: &Series, finder: &Series, size: &(u32, u32), least: f64) -> Vec<f64> {
+    let lacking = |tile: Tile| -> f64 {
         let channel = |channel: usize| {
-            let own = TileMean::of_series(series, *tile, channel);
-            let other = TileMean::of_series(finder, *tile, channel);
+            let own = TileMean::of_series(series, tile, channel);
+            let other = TileMean::of_series(finder, tile, channel);
             let (deviations, _) = own.against(&other);
             let difference = other.mean - own.mean;
-            if deviations > MISSED { difference.powi(2) / (other.mean.powi(2) + RELATIVE_FLOOR) / 3.0 } else { 0.0 }
+            if deviations > least { difference.powi(2) / (other.mean.powi(2) + RELATIVE_FLOOR) / 3.0 } else { 0.0 }
         };
         (0..3).map(channel).sum()
     };
-    tiles.iter().map(lacking).sum::<f64>() / tiles.len().max(1) as f64
+    Tile::all(size.0, size.1, TILE).map(lacking).collect()
+}
+
+/// The largest value of each tile and its eight neighbours, in rows of so many.
+fn beside(tiles: &[f64], across: usize) -> Vec<f64> {
+    let down = tiles.len() / across.max(1);
+    let near = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
+    let largest = |index: usize| {
+        let (x, y) = (index % across, index / across);
+        let all = near(y, down).flat_map(|y| near(x, across).map(move |x| tiles[y * across + x]));
+        all.fold(0.0, f64::max)
+    };
+    (0..tiles.len()).map(largest).collect()
 }

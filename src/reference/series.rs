@@ -87,19 +87,46 @@ impl Series {
         self.image_of(|pixel, channel| variance_of_mean(values(pixel, channel)))
     }
 
-    /// An image per pair of parts, mixed with a weight for each pixel: independent images of the same expectation again. Both must have as
-    /// many images.
-    pub fn mixed(&self, other: &Self, share: &[f32]) -> Self {
-        let mix = |(a, b): (&Vec<[f32; 3]>, &Vec<[f32; 3]>)| -> Vec<[f32; 3]> {
-            let pixels = a.iter().zip(b).zip(share);
-            pixels.map(|((a, b), share)| std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))).collect()
+    /// Half of the difference of the means of two halves of its images: one more error of the kind that the mean has. Each half has as many
+    /// blurred images. Nothing below four images.
+    pub fn noise(&self) -> Option<Image> {
+        let parts: Vec<_> = self.weighted().collect();
+        if parts.len() < 4 {
+            return None;
+        }
+        let in_first = |index: usize| index % 4 < 2;
+        let total = |first: bool| -> f64 {
+            parts.iter().enumerate().filter(|(index, _)| in_first(*index) == first).map(|(_, (weight, _))| weight).sum()
+        };
+        let weights = [total(true), total(false)];
+        Some(self.image_of(|pixel, channel| {
+            let terms = parts.iter().enumerate().map(|(index, (weight, image))| {
+                let sign = if in_first(index) { 1.0 / weights[0] } else { -1.0 / weights[1] };
+                0.5 * sign * weight * f64::from(image[pixel][channel])
+            });
+            terms.sum()
+        }))
+    }
+
+    /// Mixes series that have as many images as the first one, which there must be, with a weight for each pixel; the weights of a pixel
+    /// sum to 1. What comes out are independent images again.
+    pub fn mixed(parts: &[(&Self, Vec<f32>)]) -> Self {
+        let (first, _) = parts[0];
+        let mix = |index: usize| -> Vec<[f32; 3]> {
+            let pixel = |pixel: usize| {
+                let value = |channel: usize| {
+                    parts.iter().map(|(series, weights)| weights[pixel] * series.images[index][pixel][channel]).sum()
+                };
+                std::array::from_fn(value)
+            };
+            (0..first.images[index].len()).map(pixel).collect()
         };
         Self {
-            images: self.images.iter().zip(&other.images).map(mix).collect(),
-            samples: self.samples.clone(),
-            seconds: self.seconds + other.seconds,
-            is_blurred: self.is_blurred || other.is_blurred,
-            ..*self
+            images: (0..first.images.len()).map(mix).collect(),
+            samples: first.samples.clone(),
+            seconds: parts.iter().map(|(series, _)| series.seconds).sum(),
+            is_blurred: parts.iter().any(|(series, _)| series.is_blurred),
+            ..*first
         }
     }
 }
@@ -131,5 +158,23 @@ mod tests {
         series.add(1, &image(5.0), 2.0);
         // 2 of the first, 4 with the mean 4 of the second.
         assert_eq!(series.mean().pixels[0][0], 3.0);
+        assert!(series.noise().is_none(), "two images have no halves");
+    }
+
+    #[test]
+    fn the_noise_of_halves_is_that_of_the_mean() {
+        let mut random = crate::metrics::random::Normal::new(2);
+        let mut series = Series::new(64, 64, 16, false);
+        for index in 0..16 {
+            let pixels = (0..64 * 64).map(|_| [5.0 + random.next() as f32; 3]).collect();
+            series.add(index, &Image { width: 64, height: 64, pixels }, 4.0);
+        }
+        let square = |image: &Image, mean: f32| {
+            image.pixels.iter().map(|pixel| (pixel[0] - mean).powi(2)).sum::<f32>() / (64.0 * 64.0)
+        };
+        // 1/16 each, known to 2 %.
+        for found in [square(&series.mean(), 5.0), square(&series.noise().unwrap(), 0.0)] {
+            assert!((found * 16.0 - 1.0).abs() < 0.1, "{found}");
+        }
     }
 }

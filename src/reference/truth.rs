@@ -11,6 +11,8 @@ pub struct Truth {
     pub image: Image,
     /// Variance of its pixels.
     pub variance: Option<Image>,
+    /// An error of the kind that it has, from two halves of what it is made of; see [`crate::reference::Series::noise`].
+    pub noise: Option<Image>,
     /// What is known of it besides.
     pub certificate: Option<Certificate>,
     /// Where its witness differs: red where that is brighter, blue where it is darker, by deviations of tiles of 4 x 4 pixels; full colour
@@ -42,6 +44,7 @@ impl Truth {
         Self {
             image,
             variance,
+            noise: None,
             certificate: None,
             difference_map: None,
             mse: mse / count,
@@ -60,6 +63,13 @@ impl Truth {
         self
     }
 
+    /// The same image with an error of the kind that it has.
+    #[must_use]
+    pub fn with_noise(mut self, noise: Option<Image>) -> Self {
+        self.noise = noise;
+        self
+    }
+
     /// The same image with a picture of where its witness differs.
     #[must_use]
     pub fn with_difference_map(mut self, map: Option<Image>) -> Self {
@@ -73,7 +83,7 @@ impl Truth {
     }
 
     /// What its own noise adds to the MSE and to the relMSE of any image that is compared with it; 0 where it is not known.
-    pub fn noise(&self) -> [f64; 2] {
+    pub fn noise_of_errors(&self) -> [f64; 2] {
         [self.mse, self.relmse]
     }
 

@@ -128,7 +128,7 @@ fn glossary(results: &Results) -> String {
         ),
         (
             "Ratio, and which test decides",
-            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, it goes by the relMSE of parts.",
+            "efficiency over that of the scene's first variant; significant where Welch's test of the logarithms says so at the 1 % level. The test goes by relMSE. Where few pixels decide the relMSE of either variant, the ratio is that of the relMSE of parts, and the test that of the trimmed relMSE: bright samples tell how much better a technique is that has none of them, all other pixels whether it is.",
         ),
         (
             "Slope",

@@ -244,7 +244,11 @@ fn by_figure(scene: &SceneResults, _: usize, variant: &VariantResults) -> Vec<St
     let ratio = |figure: Figure| match pair {
         Some(pair) => {
             let found = pair.by(figure);
-            let decides = if pair.decided_by == figure { " <small class=\"mark decides\">decides</small>" } else { "" };
+            let mark = |is: bool, what: &str| {
+                if is { format!(" <small class=\"mark decides\">{what}</small>") } else { String::new() }
+            };
+            let tests = pair.tested_by == figure && pair.decided_by != figure;
+            let decides = mark(pair.decided_by == figure, "decides") + &mark(tests, "its test decides");
             format!("<hr/>× {} {}{decides}", interval(&found.ratio), significance(found.significant))
         }
         None => String::new(),

@@ -47,7 +47,14 @@ fn print_scene(scene: &SceneResults) {
             bench::Figure::Relmse => String::new(),
             figure => format!(" by {}", figure.in_words()),
         };
-        let verdict = if pair.significant { "" } else { ", no significant difference" };
+        let verdict = match (pair.significant, pair.tested_by == pair.decided_by) {
+            (true, true) => String::new(),
+            (true, false) => {
+                let tested = times(&pair.by(pair.tested_by).ratio);
+                format!(", significant by {} ({tested})", pair.tested_by.in_words())
+            }
+            (false, _) => String::from(", no significant difference"),
+        };
         let doubt = if scene.reference.doubt.is_some() { " (reference not confirmed)" } else { "" };
         print(&format!("  {} against {}: {}{by}{verdict}{doubt}", pair.variant, pair.against, times(pair.decisive())));
     }
