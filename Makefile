@@ -41,7 +41,7 @@ thorough:
 # Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
 bench: build
 	$(LUMBRE) bench scenes/cornell.xml scenes/cornell_spheres.xml scenes/veach_mis.xml scenes/gltf_room/room.gltf \
-		-i path,path-implicit --backend bvh,ray-query -t 2.5 --seeds 5 --size 128x128 --reference-spp 2048 \
+		-i path,path-implicit --backend bvh,ray-query -t 2.5 --seeds 5 --size 128x128 \
 		-o out/bench --fresh
 
 # Every comparison of the lecture, measured here: out/lecture/index.html. Goes on where it was interrupted.

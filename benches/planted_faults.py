@@ -530,6 +530,29 @@ FAULTS = [
     Fault("spirv-or", "src/spirv/fold.rs",
           "op::LOGICAL_OR if of(0) == Some(1) || of(1) == Some(1) => return Some(1)", "op::LOGICAL_OR if of(0) == Some(0) || of(1) == Some(0) => return Some(0)",
           "one operand that is false decides an or", ["lib:spirv::fold", SPECIALISED]),
+
+    # What a reference knows of itself.
+    Fault("reference-own-error", "src/reference/tails.rs",
+          "* weight / (1.0 - weight)", "* weight / (1.1 - weight)", "a reference's own error 10 % too small", ["lib:reference::tails"]),
+    Fault("reference-blur", "src/reference/tails.rs",
+          "2.25 * ((sum / pixels).max(0.0)", "0.25 * ((sum / pixels).max(0.0)", "blur a third of what it is", ["lib:reference::tails"]),
+    Fault("reference-witness-blind", "src/reference/witness.rs",
+          "sidak(sidak(ALPHA, sizes.len()), count)", "sidak(sidak(1e-9 * ALPHA, sizes.len()), count)",
+          "a witness that sees nothing but blunders", ["witness::a_wrong_scale_in_a_twentieth_is_found", "lib:reference::witness"]),
+    Fault("reference-witness-nervous", "src/reference/witness.rs",
+          "sidak(sidak(ALPHA, sizes.len()), count)", "ALPHA", "each tile at the level of all", ["lib:reference::witness"]),
+    Fault("reference-unseen", "src/reference/witness.rs",
+          "deviations < 0.0 && kinds.of_witness.is_some()", "deviations < 0.0 && kinds.of_reference.is_some()",
+          "a witness that misses light blames the reference", ["witness::missing_light_is_found"]),
+    Fault("reference-halves", "src/reference/series.rs",
+          "0.5 * sign * weight", "0.4 * sign * weight", "a reference's noise a fifth too small", ["lib:reference::series"]),
+    Fault("reference-schedule", "src/render/merge_radius.rs",
+          "sample.saturating_mul(stride)", "sample", "several renderings blur as much as one short one", ["lib:render::merge_radius"]),
+    Fault("bench-own-noise", "src/metrics/pixels.rs",
+          "zip(&noise).map(|(error, noise)| error - noise)", "zip(&noise).map(|(error, noise)| error - 0.5 * noise)",
+          "half of the reference's noise stays in the relMSE of parts", ["lib:metrics::pixels"]),
+    Fault("fingerprint-sky", "src/scene/fingerprint.rs",
+          "bits(from_world, hasher);", "let _ = from_world;", "a sky that was turned is the same scene", ["lib:scene::fingerprint"]),
 ]
 
 

@@ -161,7 +161,7 @@ mod tests {
         let noisy = image((0..4000).map(|k| if k % 2 == 0 { 1.02 } else { 0.98 }));
         let variance = image((0..4000).map(|_| 4e-4));
         let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance), None);
-        assert!(found.trimmed.abs() < 1e-7, "{found:?}");
+        assert!(found.trimmed.abs() < 1e-7 && found.of_parts.abs() < 1e-7, "{found:?}");
         // Half of all errors are +-s, and so is what is known of the reference's.
         let own = image((0..4000).map(|k| if k % 3 == 0 { 0.02 } else { -0.02 }));
         let found = pixel_errors(&image((0..4000).map(|_| 1.0)), &noisy, Some(&variance), Some(&own));

@@ -188,6 +188,13 @@ impl Witness {
     }
 }
 
+impl Witness {
+    /// What light it has not aimed at, in words, if there is any.
+    pub fn nobody_aimed(&self) -> Option<String> {
+        self.by_chance.as_ref().map(|light| format!("nobody has aimed at {light} yet"))
+    }
+}
+
 impl OwnError {
     /// Whether the true error of the reference, as a relMSE, is one that this allows.
     pub fn covers(&self, truth: f64) -> bool {

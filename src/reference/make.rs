@@ -27,6 +27,8 @@ const PILOT: f64 = 0.025;
 /// goes into making where they do not.
 const MAKING: f64 = 0.5;
 const CHECKING: f64 = 0.25;
+/// Of the time for checking a given image, what the first witness has before another one is thought of.
+const FIRST_LOOK: f64 = 0.6;
 /// The share of the time that they have at least, should the kernels have taken all of it.
 const LEAST_LEFT: f64 = 0.1;
 /// The least seconds that a technique is tried for.
@@ -102,64 +104,34 @@ type Hear<'a> = &'a mut dyn FnMut(Step) -> Result<()>;
 pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
     let mut work = Work::begin(request, hear)?;
     let main = MAKING * work.left().max(LEAST_LEFT * work.budget);
-    let mut maker = work.best(main, &|_| true).ok_or_else(|| nobody(request))?;
+    let maker = work.best(main, &|_| true).ok_or_else(|| nobody(request))?;
     let name = work.name(maker);
     (work.hear)(Step::Makes(&name, main))?;
     work.run(maker, main)?;
 
-    let mut others = Vec::new();
-    let mut witness = None;
-    if let Some(index) = work.first_witness(main, maker) {
-        let seconds = CHECKING / (1.0 - MAKING) * work.left().max(LEAST_LEFT * work.budget);
-        let name = work.name(index);
-        (work.hear)(Step::Checks(&name, seconds))?;
-        work.run(index, seconds)?;
-        let found = work.held_against(maker, index);
-        witness = Some((index, found));
-    }
+    let Some(index) = work.first_witness(main, maker) else {
+        return work.finish(Heard { maker, witness: None, others: Vec::new() });
+    };
+    let seconds = CHECKING / (1.0 - MAKING) * work.left().max(LEAST_LEFT * work.budget);
+    let name = work.name(index);
+    (work.hear)(Step::Checks(&name, seconds))?;
+    work.run(index, seconds)?;
+    let found = work.held_against(maker, index);
     // Where they differ a third one says who is right, and where the witness may have missed light, what there is of it.
-    let reason = witness.as_ref().and_then(|(second, found)| {
-        let aimed = [maker, *second].iter().any(|index| work.candidates[*index].by_chance.is_none());
-        let nobody = || found.by_chance.as_ref().map(|light| format!("nobody has aimed at {light} yet"));
-        found.reason_to_ask().or_else(|| if aimed { None } else { nobody() })
-    });
-    if let (Some((second, found)), Some(why)) = (witness.clone(), reason)
-        && let Some(third) = work.another_witness(main, &[maker, second])?
-    {
-        let name = work.name(third);
-        (work.hear)(Step::Asks(&name, why))?;
-        let seconds = work.left().max(work.seconds(second));
-        work.run(third, seconds)?;
-        let of_maker = work.held_against(maker, third);
-        if of_maker.reason_to_ask().is_none() && found.reason_to_ask().is_none() {
-            others.push((third, of_maker));
-        } else if of_maker.reason_to_ask().is_none() {
-            others.push((second, found));
-            witness = Some((third, of_maker));
-        } else if !found.differences.is_empty() && work.held_against(second, third).reason_to_ask().is_none() {
-            // Two against one: the better of them goes on from what it has.
-            let agreeing = work.best(main, &|index| index == second || index == third).unwrap_or(second);
-            let other = if agreeing == second { third } else { second };
-            others.push((maker, work.held_against(agreeing, maker)));
-            let name = work.name(agreeing);
-            (work.hear)(Step::Makes(&name, main))?;
-            work.run(agreeing, main)?;
-            maker = agreeing;
-            let found = work.held_against(maker, other);
-            witness = Some((other, found));
-        } else if of_maker.differences.len() < found.differences.len() {
-            others.push((second, found));
-            witness = Some((third, of_maker));
-        } else {
-            others.push((third, of_maker));
+    let aimed = [maker, index].iter().any(|index| work.candidates[*index].by_chance.is_none());
+    let third = match found.reason_to_ask().or_else(|| found.nobody_aimed().filter(|_| !aimed)) {
+        Some(why) => work.another_witness(main, &[maker, index])?.map(|third| (third, why)),
+        None => None,
+    };
+    let heard = match third {
+        Some((third, why)) => work.ask(maker, (index, found), third, why)?,
+        None => {
+            work.run(maker, work.seconds(maker) + work.left())?;
+            let witness = Some((index, work.held_against(maker, index)));
+            Heard { maker, witness, others: Vec::new() }
         }
-    } else if work.left() > 0.0 {
-        work.run(maker, work.seconds(maker) + work.left())?;
-        if let Some((index, found)) = &mut witness {
-            *found = work.held_against(maker, *index);
-        }
-    }
-    work.finish(maker, witness, others)
+    };
+    work.finish(heard)
 }
 
 /// Has a reference that was given checked by the best technique that did not make it, and adds what came of it to what is known.
@@ -169,18 +141,32 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
 /// As of [`make`].
 pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
     let mut work = Work::begin(request, hear)?;
-    let seconds = work.left().max(LEAST_LEFT * work.budget);
-    let index = work.best_witness(seconds, &[]).ok_or_else(|| nobody(request))?;
-    let name = work.name(index);
-    (work.hear)(Step::Checks(&name, seconds))?;
-    work.run(index, seconds)?;
-    let series = work.series(index);
     let (width, height) = (request.settings.width, request.settings.height);
     let own = |tile: Tile, channel: usize| TileMean::of_truth(given, tile, channel);
-    let by_chance = work.candidates[index].by_chance.as_deref();
-    let kinds = Kinds { of_reference: None, of_witness: by_chance };
-    let witness = hold_against((width, height), &own, series, &name, kinds);
-    let map = map_of((width, height), &own, series);
+    let look = |work: &mut Work, index: usize, seconds: f64| -> Result<Witness> {
+        let name = work.name(index);
+        (work.hear)(Step::Checks(&name, seconds))?;
+        work.run(index, seconds)?;
+        let kinds = Kinds { of_reference: None, of_witness: work.candidates[index].by_chance.as_deref() };
+        Ok(hold_against((width, height), &own, work.series(index), &name, kinds))
+    };
+    let all = work.left().max(LEAST_LEFT * work.budget);
+    let mut index = work.best_witness(all, &[]).ok_or_else(|| nobody(request))?;
+    let mut witness = look(&mut work, index, FIRST_LOOK * all)?;
+    let mut others = Vec::new();
+    // One that finds some of the light by chance is not enough.
+    let second = witness.nobody_aimed().filter(|_| witness.differences.is_empty());
+    if second.is_some()
+        && let Some(other) = work.another_witness(all, &[index])?
+    {
+        let seconds = work.left().max((1.0 - FIRST_LOOK) * all);
+        let found = look(&mut work, other, seconds)?;
+        others.push(std::mem::replace(&mut witness, found));
+        index = other;
+    } else {
+        witness = look(&mut work, index, all)?;
+    }
+    let map = map_of((width, height), &own, work.series(index));
     let noise = given.relmse();
     let stated = noise.unwrap_or(0.0);
     let error = OwnError {
@@ -190,7 +176,7 @@ pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
         tail_index: None,
         at_least: noise.is_none(),
     };
-    let certificate = work.certificate(Vec::new(), error, Some(witness), Vec::new());
+    let certificate = work.certificate(Vec::new(), error, Some(witness), others);
     Ok(given.clone().certified(certificate).with_difference_map(Some(map)))
 }
 
@@ -206,6 +192,13 @@ fn nobody(request: &Request) -> Error {
         "no technique finds all light of {} on this device: give a reference with --reference",
         request.scene.source.display()
     ))
+}
+
+/// Who made a reference, and what the others say.
+struct Heard {
+    maker: usize,
+    witness: Option<(usize, Witness)>,
+    others: Vec<(usize, Witness)>,
 }
 
 /// A reference under way.
@@ -402,6 +395,40 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
+    /// Asks a third technique, and goes by the majority.
+    fn ask(&mut self, maker: usize, (second, found): (usize, Witness), third: usize, why: String) -> Result<Heard> {
+        let name = self.name(third);
+        (self.hear)(Step::Asks(&name, why))?;
+        self.run(third, self.left().max(self.seconds(second)))?;
+        let of_maker = self.held_against(maker, third);
+        if of_maker.reason_to_ask().is_none() {
+            let (witness, other) = match found.reason_to_ask() {
+                None => ((second, found), (third, of_maker)),
+                Some(_) => ((third, of_maker), (second, found)),
+            };
+            return Ok(Heard { maker, witness: Some(witness), others: vec![other] });
+        }
+        if !found.differences.is_empty() && self.held_against(second, third).reason_to_ask().is_none() {
+            // Two against one: the better of them goes on from what it has.
+            let seconds = self.seconds(maker);
+            let agreeing = self.best(seconds, &|index| index == second || index == third).unwrap_or(second);
+            let other = if agreeing == second { third } else { second };
+            let name = self.name(agreeing);
+            (self.hear)(Step::Makes(&name, seconds))?;
+            self.run(agreeing, seconds)?;
+            let witness = Some((other, self.held_against(agreeing, other)));
+            let others = vec![(maker, self.held_against(agreeing, maker))];
+            return Ok(Heard { maker: agreeing, witness, others });
+        }
+        // Nobody agrees: the one that differs least is the witness.
+        let (witness, other) = if of_maker.differences.len() < found.differences.len() {
+            ((third, of_maker), (second, found))
+        } else {
+            ((second, found), (third, of_maker))
+        };
+        Ok(Heard { maker, witness: Some(witness), others: vec![other] })
+    }
+
     fn held_against(&self, reference: usize, witness: usize) -> Witness {
         let (own, other) = (self.series(reference), self.series(witness));
         let settings = self.request.settings;
@@ -431,12 +458,7 @@ impl<'a> Work<'a> {
         weights
     }
 
-    fn finish(
-        mut self,
-        maker: usize,
-        witness: Option<(usize, Witness)>,
-        others: Vec<(usize, Witness)>,
-    ) -> Result<Truth> {
+    fn finish(mut self, Heard { maker, witness, others }: Heard) -> Result<Truth> {
         self.runner = None;
         let (width, height) = (self.request.settings.width, self.request.settings.height);
         let own = self.series(maker);

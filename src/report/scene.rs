@@ -5,7 +5,7 @@ use super::html::{escape, fact};
 use super::pictures::Pictures;
 use super::reference::Own;
 use super::{number, reference, rows, summary};
-use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, SceneResults, VariantResults};
+use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, Figure, SceneResults, VariantResults};
 use crate::bench::stats::Interval;
 
 /// A measure of error with its curves.
@@ -108,11 +108,16 @@ fn kernel_share(variant: &VariantResults) -> String {
     }
 }
 
+/// The error that the charts show at first: the one that the variants are ordered by.
+fn is_shown_first(scene: &SceneResults, metric: &Metric) -> bool {
+    metric.id == if scene.ordered_by() == Figure::Parts { "parts" } else { "relmse" }
+}
+
 fn curves(index: usize, scene: &SceneResults) -> String {
     let switch: String = METRICS
         .iter()
         .map(|metric| {
-            let checked = if metric.id == "relmse" { " checked=\"checked\"" } else { "" };
+            let checked = if is_shown_first(scene, metric) { " checked=\"checked\"" } else { "" };
             format!(
                 "<label><input type=\"radio\" name=\"metric-{index}\" value=\"{}\"{checked}/> {}</label>\n",
                 metric.id, metric.name
@@ -137,14 +142,14 @@ fn curves(index: usize, scene: &SceneResults) -> String {
 }
 
 fn panel(scene: &SceneResults, metric: &Metric) -> String {
-    let hidden = if metric.id == "relmse" { "" } else { " hidden=\"hidden\"" };
+    let hidden = if is_shown_first(scene, metric) { "" } else { " hidden=\"hidden\"" };
     let time = chart(scene, metric, "seconds", "time of rendering (s)", |point| point.seconds);
     let samples = chart(scene, metric, "samples per pixel", "samples per pixel", |point| exact(point.spp));
     let mut explain = String::new();
-    if metric.id == "relmse" {
+    if ["relmse", "parts"].contains(&metric.id) {
         explain += "Dashed: slope −1 through the best end of a run; along it efficiency is the same, and a curve twice as high needs twice \
                     the time.";
-        if scene.variants.iter().any(shows_floor) {
+        if metric.id == "relmse" && scene.variants.iter().any(shows_floor) {
             explain += " Dotted: the error that stays, where the bias is significant.";
         }
     }
