@@ -545,7 +545,7 @@ FAULTS = [
           "deviations < 0.0 && kinds.of_witness.is_some()", "deviations < 0.0 && kinds.of_reference.is_some()",
           "a witness that misses light blames the reference", ["witness::missing_light_is_found"]),
     Fault("reference-halves", "src/reference/series.rs",
-          "0.5 * sign * weight", "0.4 * sign * weight", "a reference's noise a fifth too small", ["lib:reference::series"]),
+          "(weights[0] * weights[1]).sqrt()", "0.8 * (weights[0] * weights[1]).sqrt()", "a reference's noise a fifth too small", ["lib:reference::series"]),
     Fault("reference-schedule", "src/render/merge_radius.rs",
           "sample.saturating_mul(stride)", "sample", "several renderings blur as much as one short one", ["lib:render::merge_radius"]),
     Fault("bench-own-noise", "src/metrics/pixels.rs",

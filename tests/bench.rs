@@ -5,10 +5,10 @@ use std::path::Path;
 use std::rc::Rc;
 
 use lumbre::bench::results::{Figure, HEAVY_TAIL, Setup, VariantResults};
-use lumbre::bench::stats::squared_bias;
 use lumbre::bench::{Bench, Limits, Snapshot, Stop, Subject, Truth, Variant};
 use lumbre::error::{Error, Result};
 use lumbre::film::Image;
+use lumbre::metrics::intervals::squared_bias;
 
 const SIDE: u32 = 24;
 /// What a firefly brings to its pixel.

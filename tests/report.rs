@@ -12,7 +12,7 @@ use lumbre::bench::results::{
     Cell, CurvePoint, Device, Figure, Floor, Pair, Point, Ratio, Reference, Results, Row, Run, SCHEMA, SceneResults,
     Setup, VariantResults,
 };
-use lumbre::bench::stats::Interval;
+use lumbre::metrics::intervals::Interval;
 use lumbre::reference::{self, Certificate, Difference, Maker, OwnError, Pilot, Witness};
 use lumbre::report::{CSV_COLUMNS, write};
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::results::{Point, Results, Run, VariantResults};
-use super::stats::{CONFIDENCE, Interval, SIGNIFICANCE};
+use crate::metrics::intervals::{CONFIDENCE, Interval, SIGNIFICANCE};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

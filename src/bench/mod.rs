@@ -9,7 +9,6 @@ pub mod peer;
 pub mod results;
 mod rows;
 pub mod run;
-pub mod stats;
 pub mod subject;
 mod summary;
 

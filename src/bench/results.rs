@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::stats::Interval;
 use crate::error::{Error, Result};
+use crate::metrics::intervals::Interval;
 pub use crate::metrics::pixels::HEAVY_TAIL;
 use crate::reference::Certificate;
 

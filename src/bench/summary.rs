@@ -4,9 +4,9 @@ use super::results::{
     CurvePoint, Figure, Floor, HEAVY_TAIL, LEAST_ERROR, Pair, Point, Ratio, Row, Run, VariantResults,
 };
 use super::run::{Bench, Event, Variant};
-use super::stats::{CONFIDENCE, Interval, SIGNIFICANCE, log_slope, squared_bias};
 use crate::error::Result;
 use crate::film::Image;
+use crate::metrics::intervals::{CONFIDENCE, Interval, SIGNIFICANCE, log_slope, squared_bias};
 
 /// Deviations by which a squared bias must exceed zero to be called one.
 const FLOOR_DEVIATIONS: f64 = 4.0;
@@ -126,12 +126,14 @@ fn mean_point(points: &[&Point], [of_mse, of_relmse]: [f64; 2]) -> CurvePoint {
     }
 }
 
-/// Two variants. Runs of one seed have no noise in common, as techniques draw different numbers, so they count as independent sets.
+/// Two variants. Runs of one seed count as independent where the techniques differ, as these draw different numbers.
 fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
     let ends = |variant: &VariantResults, value: &dyn Fn(&Point) -> f64| -> Vec<f64> {
         last_points(&variant.runs).into_iter().map(value).collect()
     };
-    let ratio = |value: &dyn Fn(&Point) -> f64| Ratio::of(&ends(against, value), &ends(variant, value));
+    // The same technique draws the same numbers for the same seed, whatever traces its rays.
+    let is_paired = variant.technique == against.technique && variant.runs.len() == against.runs.len();
+    let ratio = |value: &dyn Fn(&Point) -> f64| Ratio::of(&ends(against, value), &ends(variant, value), is_paired);
     let by = |figure: Figure| ratio(&|point| point.efficiency_by(figure));
     let (efficiency, parts, trimmed) = (by(Figure::Relmse), by(Figure::Parts), by(Figure::Trimmed));
     let is_heavy = variant.worst_share.max(against.worst_share) > HEAVY_TAIL;
@@ -157,10 +159,17 @@ fn pair(variant: &VariantResults, against: &VariantResults) -> Pair {
 }
 
 impl Ratio {
-    /// Of two sets of independent figures, the second over the first.
-    fn of(against: &[f64], own: &[f64]) -> Self {
-        let strict = Interval::ratio(against, own, 1.0 - SIGNIFICANCE);
-        let significant = own.len() > 1 && against.len() > 1 && !strict.contains(1.0);
-        Self { ratio: Interval::ratio(against, own, CONFIDENCE), significant }
+    /// Of two sets of figures, the second over the first: seed by seed, or independent of each other.
+    fn of(against: &[f64], own: &[f64], is_paired: bool) -> Self {
+        let pairs: Vec<f64> = own.iter().zip(against).map(|(own, against)| own / against).collect();
+        let interval = |confidence: f64| {
+            if is_paired {
+                Interval::geometric_with(&pairs, confidence)
+            } else {
+                Interval::ratio(against, own, confidence)
+            }
+        };
+        let significant = own.len() > 1 && against.len() > 1 && !interval(1.0 - SIGNIFICANCE).contains(1.0);
+        Self { ratio: interval(CONFIDENCE), significant }
     }
 }

@@ -9,7 +9,7 @@ use lumbre::error::{Error, Result};
 use lumbre::input::read_image;
 use lumbre::metrics::{Comparison, compare, heat_map, heat_scale, same_size};
 use lumbre::output::{Format, Picture, check_writable, format_of, write_picture};
-use lumbre::reference::{Certificate, read_certificate};
+use lumbre::reference::{Certificate, Truth, read, read_certificate};
 
 use super::print;
 use super::render::write_json;
@@ -51,9 +51,10 @@ struct Known {
 }
 
 impl Known {
-    fn of(certificate: Certificate, compared: &Comparison) -> Self {
-        let relmse_less_noise = compared.relmse - certificate.error.relmse.mean;
-        Self { relmse_less_noise, doubt: certificate.doubt(), certificate }
+    fn of(truth: &Truth, compared: &Comparison) -> Option<Self> {
+        let certificate = truth.certificate.clone()?;
+        let relmse_less_noise = compared.relmse - truth.relmse().unwrap_or(0.0);
+        Some(Self { relmse_less_noise, doubt: certificate.doubt(), certificate })
     }
 }
 
@@ -67,8 +68,11 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
     let (image, reference) = (read_image(&args.image)?, read_image(&args.reference)?);
     same_size(&image, &reference)?;
     let compared = compare(&image, &reference)?;
-    let found =
-        Compared { compared, reference: read_certificate(&args.reference)?.map(|known| Known::of(known, &compared)) };
+    let known = match read_certificate(&args.reference)? {
+        Some(_) => Known::of(&read(&args.reference, reference.width, reference.height)?, &compared),
+        None => None,
+    };
+    let found = Compared { compared, reference: known };
     if let Some(path) = &args.heatmap {
         let scale = heat_scale(&image, &reference);
         let map = heat_map(&image, &reference, scale);

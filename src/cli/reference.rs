@@ -1,7 +1,7 @@
 //! `lumbre reference`: an image that stands for the truth, with what is known of it; or a check of one.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
@@ -50,7 +50,7 @@ pub(super) struct ReferenceArgs {
     camera: Option<String>,
 
     /// Which of several independent references
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=127), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=63), allow_negative_numbers = true)]
     seed: u32,
 
     /// Write the certificate as JSON ('-' is standard output)
@@ -71,6 +71,9 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
         if format_of(path)? != Format::Exr {
             return Err(Error::Usage(format!("{}: a reference is an .exr", path.display())));
         }
+        check_writable(path)?;
+    }
+    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
         check_writable(path)?;
     }
     let scene = args.scene.load()?;
@@ -124,11 +127,12 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
     if let (Some(path), Some(certificate)) = (&args.json, certificate) {
         write_json(path, certificate)?;
     }
-    let json_is_shown = args.json.as_deref().is_some_and(|path| path == std::path::Path::new("-"));
+    let json_is_shown = args.json.as_deref().is_some_and(|path| path == Path::new("-"));
     if let (false, false, Some(certificate)) = (args.quiet, json_is_shown, certificate) {
         print_certificate(certificate);
     }
     if !args.quiet
+        && !json_is_shown
         && let Some(path) = &args.output
     {
         print(&format!("wrote      {}", path.display()));

@@ -2,9 +2,9 @@
 
 use super::math;
 use super::text::{Text, text};
-use crate::bench::stats::Interval;
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::metrics::intervals::Interval;
 use crate::output::png_of;
 use crate::report::chart::{Chart, Guide, Series, Spot, Through, describe, key};
 use crate::report::html::escape;

@@ -1,6 +1,7 @@
 //! How far an image is from a reference, in linear values, and whether two images can have the same mean.
 
 mod flip;
+pub mod intervals;
 pub mod pixels;
 #[cfg(test)]
 pub(crate) mod random;

@@ -10,12 +10,14 @@ pub const PARTS: usize = 8;
 /// Median of the square of a standard normal variable.
 const MEDIAN_OF_SQUARE: f64 = 0.454_936;
 
+/// Pixels below which none counts as an exception.
+const FEW: usize = 100;
 /// The share of the sum of squared errors from which on the worst [`WORST`] of the pixels decide it.
 pub const HEAVY_TAIL: f64 = 0.3;
 
-/// How many pixels are the worst [`WORST`] of so many.
+/// How many pixels are the worst [`WORST`] of so many: one at least, and none where there are few in all.
 fn worst(count: usize) -> usize {
-    ((WORST * count as f64).ceil() as usize).clamp(1, count.max(1))
+    if count < FEW { 0 } else { ((WORST * count as f64).ceil() as usize).max(1) }
 }
 
 /// Share of the sum of the pixels' squared errors that the worst [`WORST`] of them make. Their order changes.
@@ -25,6 +27,9 @@ pub fn worst_share(errors: &mut [f64]) -> f64 {
         return 0.0;
     }
     let from = errors.len() - worst(errors.len());
+    if from == errors.len() {
+        return 0.0;
+    }
     errors.select_nth_unstable_by(from, f64::total_cmp);
     errors[from..].iter().sum::<f64>() / sum
 }
@@ -106,13 +111,18 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(middle).copied().unwrap_or(0.0)
 }
 
+/// A number that looks random, by its bits (the last step of MurmurHash3, Appleby 2011).
+fn mixed(mut number: u32) -> u32 {
+    number = (number ^ number >> 16).wrapping_mul(0x85eb_ca6b);
+    number = (number ^ number >> 13).wrapping_mul(0xc2b2_ae35);
+    number ^ number >> 16
+}
+
 /// The median of the means of parts into which the pixels are dealt, the same for every image.
 fn median_of_parts(errors: impl Iterator<Item = f64>) -> f64 {
     let mut parts = [(0.0, 0.0); PARTS];
     for (pixel, error) in errors.enumerate().filter(|(_, error)| error.is_finite()) {
-        // Multiplicative hashing (Knuth, The Art of Computer Programming, section 6.4): neighbours go to different parts.
-        let part = (pixel as u32).wrapping_mul(2_654_435_769) >> 16;
-        let (sum, count) = &mut parts[part as usize % PARTS];
+        let (sum, count) = &mut parts[mixed(pixel as u32) as usize % PARTS];
         *sum += error;
         *count += 1.0;
     }

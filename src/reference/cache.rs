@@ -6,20 +6,26 @@ use std::path::{Path, PathBuf};
 use super::certificate::SCHEMA;
 use super::file::{read, write};
 use super::make::{Budget, Request, Step, make};
-use super::parts;
+use super::parts::{self, Parts};
 use super::truth::Truth;
 use crate::error::{Error, Result};
 use crate::render::kernels_fingerprint;
 
+/// Counts up whenever references are made in another way: older ones are not taken then.
+const REVISION: u32 = 1;
+
 impl Request<'_> {
-    /// What the image depends on, in 64 bits, but for how long it is rendered: the scene, the settings, the kernels.
+    /// What the image depends on, in 64 bits, but for how long it is rendered: the scene, the settings, the kernels, the
+    /// device, whose seconds count.
     pub fn key(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
         self.scene.hash_content(&mut hasher);
         // The technique is chosen, and the seed is the request's.
         let mut settings = self.settings.clone();
         settings.seed = self.seed;
-        format!("{settings:?} {:?} {SCHEMA}", self.solves).hash(&mut hasher);
+        let survey = self.gpu.survey();
+        format!("{settings:?} {:?} {SCHEMA} {REVISION} {} {}", self.solves, survey.name, survey.driver)
+            .hash(&mut hasher);
         kernels_fingerprint().hash(&mut hasher);
         if let Budget::Samples(samples) = self.budget {
             samples.to_bits().hash(&mut hasher);
@@ -56,14 +62,14 @@ pub fn obtain(request: &Request, folder: &Path, hear: &mut dyn FnMut(Step) -> Re
 /// As of [`make`], and a file that cannot be written.
 pub fn resume(request: &Request, path: &Path, hear: &mut dyn FnMut(Step) -> Result<()>) -> Result<Truth> {
     let kept: PathBuf = parts::path(path);
-    let truth =
-        make(&Request { parts: Some((&kept, request.key())), ..*request }, hear).map_err(|error| match error {
-            Error::Interrupted(_) if kept.exists() => Error::Interrupted(format!(
-                "what was rendered of the reference is kept in {}; the same command goes on",
-                kept.display()
-            )),
-            other => other,
-        })?;
+    let key = request.key();
+    let truth = make(&Request { parts: Some((&kept, key)), ..*request }, hear).map_err(|error| match error {
+        Error::Interrupted(_) if Parts::read(&kept, key).is_some() => Error::Interrupted(format!(
+            "what was rendered of the reference is kept in {}; the same command goes on",
+            kept.display()
+        )),
+        other => other,
+    })?;
     write(path, &truth)?;
     // It is of no further use; that it cannot be removed is no reason to fail.
     let _ = std::fs::remove_file(&kept);

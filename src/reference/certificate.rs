@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bench::stats::Interval;
+use crate::metrics::intervals::Interval;
 
 /// The name and version of the form.
 pub const SCHEMA: &str = "lumbre-reference-1";

@@ -13,11 +13,11 @@ use super::tails::{blur, own_error};
 use super::tiles::{Tile, TileMean, TileMeans, difference_map};
 use super::truth::Truth;
 use super::witness::{Kinds, hold_against};
-use crate::bench::stats::Interval;
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::gpu::Gpu;
 use crate::integrator::Solves;
+use crate::metrics::intervals::Interval;
 use crate::render::Settings;
 use crate::scene::Scene;
 
@@ -74,7 +74,7 @@ pub struct Request<'a> {
     pub solves: Solves,
     /// How long it may take.
     pub budget: Budget,
-    /// Which of several independent references it is, 0 to 127.
+    /// Which of several independent references it is, 0 to 63.
     pub seed: u32,
     /// Where what was rendered is kept, if it is to be, with a number for all that it depends on.
     pub parts: Option<(&'a Path, u64)>,
@@ -102,7 +102,7 @@ type Hear<'a> = &'a mut dyn FnMut(Step) -> Result<()>;
 ///
 /// A scene that no technique can make a reference of on this device; whatever `hear` answers, which ends it.
 pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
-    let mut work = Work::begin(request, hear)?;
+    let mut work = Work::begin(request, hear, false)?;
     let main = MAKING * work.left().max(LEAST_LEFT * work.budget);
     let maker = work.best(main, &|_| true).ok_or_else(|| nobody(request))?;
     let name = work.name(maker);
@@ -110,7 +110,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
     work.run(maker, main)?;
 
     let Some(index) = work.first_witness(main, maker) else {
-        return work.finish(Heard { maker, witness: None, others: Vec::new() });
+        return work.finish(Heard { maker, witness: None, others: Vec::new(), outvoted: None });
     };
     let seconds = CHECKING / (1.0 - MAKING) * work.left().max(LEAST_LEFT * work.budget);
     let name = work.name(index);
@@ -128,7 +128,7 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
         None => {
             work.run(maker, work.seconds(maker) + work.left())?;
             let witness = Some((index, work.held_against(maker, index)));
-            Heard { maker, witness, others: Vec::new() }
+            Heard { maker, witness, others: Vec::new(), outvoted: None }
         }
     };
     work.finish(heard)
@@ -140,7 +140,8 @@ pub fn make(request: &Request, hear: Hear) -> Result<Truth> {
 ///
 /// As of [`make`].
 pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
-    let mut work = Work::begin(request, hear)?;
+    let request = &Request { parts: None, ..*request };
+    let mut work = Work::begin(request, hear, true)?;
     let (width, height) = (request.settings.width, request.settings.height);
     let own = |tile: Tile, channel: usize| TileMean::of_truth(given, tile, channel);
     let look = |work: &mut Work, index: usize, seconds: f64| -> Result<Witness> {
@@ -151,7 +152,14 @@ pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
         Ok(hold_against((width, height), &own, work.series(index), &name, kinds))
     };
     let all = work.left().max(LEAST_LEFT * work.budget);
-    let mut index = work.best_witness(all, &[]).ok_or_else(|| nobody(request))?;
+    // Whoever made it is the last to be asked.
+    let made = |index: &usize| {
+        let makers = given.certificate.iter().flat_map(|certificate| &certificate.makers);
+        makers.into_iter().any(|maker| maker.technique == work.name(*index))
+    };
+    let makers: Vec<usize> = (0..work.candidates.len()).filter(made).collect();
+    let best = work.best_witness(all, &makers).or_else(|| work.best_witness(all, &[]));
+    let mut index = best.ok_or_else(|| nobody(request))?;
     let mut witness = look(&mut work, index, FIRST_LOOK * all)?;
     let mut others = Vec::new();
     // One that finds some of the light by chance is not enough.
@@ -176,7 +184,12 @@ pub fn check(request: &Request, given: &Truth, hear: Hear) -> Result<Truth> {
         tail_index: None,
         at_least: noise.is_none(),
     };
-    let certificate = work.certificate(Vec::new(), error, Some(witness), others);
+    let checked = work.certificate(Vec::new(), error, Some(witness), others);
+    // What is known of how it was made stays.
+    let certificate = match given.certificate.clone() {
+        Some(known) => Certificate { witness: checked.witness, others: checked.others, ..known },
+        None => checked,
+    };
     Ok(given.clone().certified(certificate).with_difference_map(Some(map)))
 }
 
@@ -199,6 +212,8 @@ struct Heard {
     maker: usize,
     witness: Option<(usize, Witness)>,
     others: Vec<(usize, Witness)>,
+    /// One that would have made it, and was contradicted by two others.
+    outvoted: Option<usize>,
 }
 
 /// A reference under way.
@@ -214,13 +229,15 @@ struct Work<'a> {
     /// The technique that runs, by its index, whose kernels are there.
     runner: Option<(usize, Runner)>,
     budget: f64,
+    /// Whether it checks an image that was made elsewhere, perhaps from the same seeds.
+    checks: bool,
     started: Instant,
     kept: Instant,
 }
 
 impl<'a> Work<'a> {
     /// Takes up what was kept, or tries every technique.
-    fn begin(request: &'a Request<'a>, hear: Hear<'a>) -> Result<Self> {
+    fn begin(request: &'a Request<'a>, hear: Hear<'a>, checks: bool) -> Result<Self> {
         let (all, held_back) = split(candidates(request.scene, request.solves, request.settings));
         let parts = request.parts.and_then(|(path, key)| Parts::read(path, key));
         let (budget, now) = (Budget::seconds(request.budget), Instant::now());
@@ -233,6 +250,7 @@ impl<'a> Work<'a> {
             parts: parts.unwrap_or_default(),
             runner: None,
             budget: budget.unwrap_or(LEAST_BUDGET),
+            checks,
             started: now,
             kept: now,
         };
@@ -240,6 +258,9 @@ impl<'a> Work<'a> {
             work.try_all(all, budget)?;
             work.parts.pilot_seconds = work.spent();
         } else {
+            if budget.is_none() {
+                work.budget = work.parts.budget;
+            }
             // What the device cannot run was dropped when they were tried, and what was held back may have been.
             let both: Vec<Candidate> = all.into_iter().chain(std::mem::take(&mut work.held_back)).collect();
             let by_name = |tried: &Tried| {
@@ -252,7 +273,7 @@ impl<'a> Work<'a> {
 
     /// Seeds of a technique's renderings: no two have one in common, and no bench has them.
     fn seeds(&self, slot: usize) -> u32 {
-        1 << 31 | (self.request.seed & 0x7f) << 24 | ((slot as u32) & 0xf) << 20
+        1 << 31 | u32::from(self.checks) << 30 | (self.request.seed & 0x3f) << 24 | ((slot as u32) & 0xf) << 20
     }
 
     /// Has each of these render for a moment, and judges all that were tried.
@@ -261,7 +282,6 @@ impl<'a> Work<'a> {
         let mut refused = None;
         for candidate in candidates {
             (self.hear)(Step::Tries(&candidate.technique.describe()))?;
-            let seconds = (PILOT * self.budget).max(LEAST_PILOT);
             let seeds = self.seeds(self.trials.len() + 8);
             let mut runner = match Runner::new(gpu, scene, settings, &candidate, seeds, 0.0) {
                 Ok(runner) => runner,
@@ -272,10 +292,11 @@ impl<'a> Work<'a> {
                 }
                 Err(error) => return Err(error),
             };
-            runner.calibrate(0.2 * seconds)?;
+            runner.calibrate(0.2 * (PILOT * self.budget).max(LEAST_PILOT))?;
             if let (None, Budget::Samples(samples), []) = (budget, self.request.budget, self.trials.as_slice()) {
                 self.budget = (samples * runner.seconds_per_sample).max(LEAST_BUDGET);
             }
+            let seconds = (PILOT * self.budget).max(LEAST_PILOT);
             let mut series = runner.series(seconds, PILOT_IMAGES);
             let (hear, spent) = (&mut self.hear, self.parts.spent);
             let (started, budget) = (self.started, self.budget);
@@ -345,6 +366,8 @@ impl<'a> Work<'a> {
     fn another_witness(&mut self, seconds: f64, but: &[usize]) -> Result<Option<usize>> {
         if self.best_witness(seconds, but).is_none() && !self.held_back.is_empty() {
             let more = std::mem::take(&mut self.held_back);
+            // The last one's memory first.
+            self.runner = None;
             self.try_all(more, None)?;
         }
         let by_chance = |index: &usize| self.candidates[*index].by_chance.is_some();
@@ -375,14 +398,15 @@ impl<'a> Work<'a> {
         let keep = |series: &Series, all: &mut Parts| -> Result<()> {
             let Some((path, key)) = parts else { return Ok(()) };
             all.put(index, series.clone());
-            all.spent = before + started.elapsed().as_secs_f64();
+            (all.spent, all.budget) = (before + started.elapsed().as_secs_f64(), budget);
             let written = all.write(path, key);
             all.spent = before;
             written
         };
         let done = runner.extend(&mut series, seconds, &mut |series| {
             if kept.elapsed().as_secs_f64() > KEPT_EVERY {
-                keep(series, all)?;
+                // That it cannot be kept is no reason to stop.
+                let _ = keep(series, all);
                 *kept = Instant::now();
             }
             hear(Step::Share(((before + started.elapsed().as_secs_f64()) / budget).min(1.0)))
@@ -406,7 +430,7 @@ impl<'a> Work<'a> {
                 None => ((second, found), (third, of_maker)),
                 Some(_) => ((third, of_maker), (second, found)),
             };
-            return Ok(Heard { maker, witness: Some(witness), others: vec![other] });
+            return Ok(Heard { maker, witness: Some(witness), others: vec![other], outvoted: None });
         }
         if !found.differences.is_empty() && self.held_against(second, third).reason_to_ask().is_none() {
             // Two against one: the better of them goes on from what it has.
@@ -418,7 +442,7 @@ impl<'a> Work<'a> {
             self.run(agreeing, seconds)?;
             let witness = Some((other, self.held_against(agreeing, other)));
             let others = vec![(maker, self.held_against(agreeing, maker))];
-            return Ok(Heard { maker: agreeing, witness, others });
+            return Ok(Heard { maker: agreeing, witness, others, outvoted: Some(maker) });
         }
         // Nobody agrees: the one that differs least is the witness.
         let (witness, other) = if of_maker.differences.len() < found.differences.len() {
@@ -426,7 +450,7 @@ impl<'a> Work<'a> {
         } else {
             ((second, found), (third, of_maker))
         };
-        Ok(Heard { maker, witness: Some(witness), others: vec![other] })
+        Ok(Heard { maker, witness: Some(witness), others: vec![other], outvoted: None })
     }
 
     fn held_against(&self, reference: usize, witness: usize) -> Witness {
@@ -458,32 +482,53 @@ impl<'a> Work<'a> {
         weights
     }
 
-    fn finish(mut self, Heard { maker, witness, others }: Heard) -> Result<Truth> {
+    /// The mean of a technique and of those that join it, with their shares.
+    fn mixed(&self, maker: usize, joining: &[usize]) -> (Vec<(usize, f64)>, Series) {
+        let techniques: Vec<usize> = std::iter::once(maker).chain(joining.iter().copied()).collect();
+        let weights = self.weights(&techniques);
+        let mean = |weights: &Vec<f32>| {
+            weights.iter().map(|weight| f64::from(*weight)).sum::<f64>() / weights.len().max(1) as f64
+        };
+        let shares = techniques.iter().copied().zip(weights.iter().map(mean)).collect();
+        if joining.is_empty() {
+            return (shares, self.series(maker).clone());
+        }
+        let parts: Vec<(&Series, Vec<f32>)> = techniques.iter().map(|index| self.series(*index)).zip(weights).collect();
+        (shares, Series::mixed(&parts))
+    }
+
+    fn finish(mut self, Heard { maker, witness, others, outvoted }: Heard) -> Result<Truth> {
         self.runner = None;
         let (width, height) = (self.request.settings.width, self.request.settings.height);
         let own = self.series(maker);
         let of_maker = |tile: Tile, channel: usize| TileMean::of_series(own, tile, channel);
         let map = witness.as_ref().map(|(index, _)| map_of((width, height), &of_maker, self.series(*index)));
-        // Whoever does not differ becomes a part of the image, unless that would blur it.
-        let joins = |index: &usize, found: &Witness| {
+        // Whoever does not differ may become a part of the image, unless that would blur it.
+        let may_join = |(index, found): &&(usize, Witness)| {
             let series = self.series(*index);
             let blurs = series.is_blurred && !own.is_blurred;
-            found.differences.is_empty() && !blurs && series.images.len() == own.images.len()
+            found.differences.is_empty()
+                && !blurs
+                && series.images.len() == own.images.len()
+                && Some(*index) != outvoted
         };
-        let heard = witness.iter().chain(&others);
-        let mut techniques = vec![maker];
-        techniques.extend(heard.filter(|(index, found)| joins(index, found)).map(|(index, _)| *index));
-        let weights = self.weights(&techniques);
-        let mean = |weights: &Vec<f32>| {
-            weights.iter().map(|weight| f64::from(*weight)).sum::<f64>() / weights.len().max(1) as f64
-        };
-        let shares: Vec<(usize, f64)> = techniques.iter().copied().zip(weights.iter().map(mean)).collect();
-        let parts: Vec<(&Series, Vec<f32>)> = techniques.iter().map(|index| self.series(*index)).zip(weights).collect();
-        let mixed = if parts.len() == 1 { own.clone() } else { Series::mixed(&parts) };
-        let mut error = own_error(&mixed);
-        if mixed.is_blurred {
-            error.bias = blur(&mixed, 2.0);
+        let joining: Vec<usize> = witness.iter().chain(&others).filter(may_join).map(|(index, _)| *index).collect();
+        let aiming = joining.iter().copied().filter(|index| self.candidates[*index].by_chance.is_none());
+        // With bright samples that a technique meets by chance, more of it can be worse than less.
+        let sets = [Vec::new(), aiming.collect(), joining.clone()];
+        let mut best: Option<(f64, Vec<(usize, f64)>, Series, OwnError)> = None;
+        for set in sets {
+            let (shares, mixed) = self.mixed(maker, &set);
+            let mut error = own_error(&mixed);
+            if mixed.is_blurred {
+                error.bias = blur(&mixed, 2.0);
+            }
+            let all = error.relmse.mean + error.bias;
+            if best.as_ref().is_none_or(|(least, ..)| all < *least) {
+                best = Some((all, shares, mixed, error));
+            }
         }
+        let Some((_, shares, mixed, error)) = best else { return Err(nobody(self.request)) };
         let maker = |(index, share): &(usize, f64)| Maker {
             technique: self.name(*index),
             spp: self.series(*index).spp(),

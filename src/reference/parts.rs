@@ -17,6 +17,8 @@ const MAGIC: &[u8; 8] = b"lumbreR1";
 /// What was rendered so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parts {
+    /// Seconds that all of it may take.
+    pub budget: f64,
     /// Seconds that were spent.
     pub spent: f64,
     /// Of these, on trying techniques.
@@ -32,6 +34,7 @@ pub(super) struct Parts {
 struct Header {
     key: u64,
     spent: f64,
+    budget: f64,
     pilot_seconds: f64,
     tried: Vec<Tried>,
     series: Vec<SeriesHeader>,
@@ -81,6 +84,7 @@ impl Parts {
         let header = Header {
             key,
             spent: self.spent,
+            budget: self.budget,
             pilot_seconds: self.pilot_seconds,
             tried: self.tried.clone(),
             series: self.series.iter().map(header).collect(),
@@ -138,7 +142,13 @@ impl Parts {
                 },
             ));
         }
-        Some(Self { spent: header.spent, pilot_seconds: header.pilot_seconds, tried: header.tried, series })
+        Some(Self {
+            spent: header.spent,
+            budget: header.budget,
+            pilot_seconds: header.pilot_seconds,
+            tried: header.tried,
+            series,
+        })
     }
 }
 

@@ -99,10 +99,12 @@ impl Series {
             parts.iter().enumerate().filter(|(index, _)| in_first(*index) == first).map(|(_, (weight, _))| weight).sum()
         };
         let weights = [total(true), total(false)];
+        // Half, where both have as many samples.
+        let scale = (weights[0] * weights[1]).sqrt();
         Some(self.image_of(|pixel, channel| {
             let terms = parts.iter().enumerate().map(|(index, (weight, image))| {
                 let sign = if in_first(index) { 1.0 / weights[0] } else { -1.0 / weights[1] };
-                0.5 * sign * weight * f64::from(image[pixel][channel])
+                scale * sign * weight * f64::from(image[pixel][channel])
             });
             terms.sum()
         }))

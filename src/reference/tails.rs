@@ -2,8 +2,8 @@
 
 use super::certificate::OwnError;
 use super::series::Series;
-use crate::bench::stats::{Interval, student_quantile};
 use crate::metrics::RELATIVE_FLOOR;
+use crate::metrics::intervals::{Interval, student_quantile};
 
 /// The share of the values that count as the largest.
 const LARGEST: f64 = 1e-3;
@@ -14,7 +14,8 @@ const TAIL: f64 = 2e-3;
 /// The fewest values for that.
 const LEAST_TAIL: usize = 10;
 
-/// The relMSE of a series' mean.
+/// The relMSE of a series' mean, beside the medians of its images: these do not know the brightest samples, so the error is rather stated
+/// too large.
 ///
 /// Each image is held against the mean of the others. How these errors scatter, in logarithms, says within which range one more error of
 /// the kind lies (Student's prediction interval), and so the error of the mean: this sees noise that neighbouring pixels share, and bright
@@ -27,16 +28,13 @@ pub fn own_error(series: &Series) -> OwnError {
     if parts.len() < 2 {
         return OwnError { relmse: unknown, bias: 0.0, largest_share: 1.0, tail_index: None, at_least: true };
     }
+    let scales = scales(&parts);
     let mut errors = Vec::new();
     let mut values = Vec::new();
     for (weight, image) in &parts {
         let mut sum = 0.0;
-        for (own, all) in image.iter().zip(&mean.pixels) {
-            let channel = |(a, b): (&f32, &f32)| {
-                let (a, b) = (f64::from(*a), f64::from(*b));
-                (a - b).powi(2) / (b * b + RELATIVE_FLOOR)
-            };
-            let value = own.iter().zip(all).map(channel).sum::<f64>() / 3.0;
+        for (pixel, (own, all)) in image.iter().zip(&mean.pixels).enumerate() {
+            let value = (0..3).map(|c| f64::from(own[c] - all[c]).powi(2) * scales[pixel][c]).sum::<f64>() / 3.0;
             sum += value;
             values.push(weight * value);
         }
@@ -60,6 +58,22 @@ pub fn own_error(series: &Series) -> OwnError {
         tail_index: tail_index(&values),
         at_least: share > TRUSTED_SHARE,
     }
+}
+
+/// 1 / (b² + 0.01) of each pixel and channel, b the median of the images: a firefly makes the mean of its pixel large, and its error would be
+/// small beside that.
+fn scales(parts: &[(f64, &[[f32; 3]])]) -> Vec<[f64; 3]> {
+    let pixels = parts.first().map_or(0, |(_, image)| image.len());
+    let mut values = vec![0.0; parts.len()];
+    let mut scale = |pixel: usize, channel: usize| {
+        for (value, (_, image)) in values.iter_mut().zip(parts) {
+            *value = image[pixel][channel];
+        }
+        values.sort_by(f32::total_cmp);
+        let median = 0.5 * f64::from(values[(values.len() - 1) / 2] + values[values.len() / 2]);
+        1.0 / (median * median + RELATIVE_FLOOR)
+    };
+    (0..pixels).map(|pixel| std::array::from_fn(|channel| scale(pixel, channel))).collect()
 }
 
 /// Hill's estimate of the index of the tail of what the sorted values are the squares of: P(|x| > t) falls like t^-index.
@@ -86,23 +100,34 @@ pub(super) fn blur(series: &Series, deviations: f64) -> f64 {
     }
     let mean = series.mean();
     let (mut sum, mut squares) = (0.0, 0.0);
+    // The same without each of the pairs (jackknife, Tukey 1958), whose scatter knows that pixels share noise.
+    let mut without = vec![0.0; pairs.len()];
+    let mut differences = vec![0.0; pairs.len()];
     for (pixel, all) in mean.pixels.iter().enumerate() {
         let mut contribution = 0.0;
         for (channel, all) in all.iter().enumerate() {
-            let (mut total, mut own) = (0.0, 0.0);
-            for (fine, coarse) in &pairs {
-                let difference = f64::from(coarse[pixel][channel]) - f64::from(fine[pixel][channel]);
-                total += difference;
-                own += difference * difference;
+            for (difference, (fine, coarse)) in differences.iter_mut().zip(&pairs) {
+                *difference = f64::from(coarse[pixel][channel]) - f64::from(fine[pixel][channel]);
             }
+            let total: f64 = differences.iter().sum();
+            let own: f64 = differences.iter().map(|difference| difference * difference).sum();
             let b = f64::from(*all);
-            contribution += (total * total - own) / (n * (n - 1.0)) / (b * b + RELATIVE_FLOOR) / 3.0;
+            let scale = 1.0 / (b * b + RELATIVE_FLOOR) / 3.0;
+            contribution += scale * (total * total - own) / (n * (n - 1.0));
+            for (without, difference) in without.iter_mut().zip(&differences) {
+                let (total, own) = (total - difference, own - difference * difference);
+                *without += scale * (total * total - own) / ((n - 1.0) * (n - 2.0).max(1.0));
+            }
         }
         sum += contribution;
         squares += contribution * contribution;
     }
     let pixels = mean.pixels.len().max(1) as f64;
-    let deviation = (squares - sum * sum / pixels).max(0.0).sqrt() / pixels;
+    let middle = without.iter().sum::<f64>() / n;
+    let scatter: f64 = without.iter().map(|value| (value - middle).powi(2)).sum();
+    // Two pairs leave nothing to compare; then pixels must do.
+    let of_pixels = (squares - sum * sum / pixels).max(0.0);
+    let deviation = ((n - 1.0) / n * scatter).max(of_pixels).sqrt() / pixels;
     2.25 * ((sum / pixels).max(0.0) + deviations * deviation)
 }
 
@@ -153,6 +178,9 @@ mod tests {
         let found = series(16, |_, _| if random.uniform() < 2e-4 { 500.0 } else { 1.0 + 0.01 * random.next() });
         let own = own_error(&found);
         assert!(own.at_least && own.largest_share > 0.9, "{own:?}");
+        let truth =
+            found.mean().pixels.iter().map(|pixel| (f64::from(pixel[0]) - 1.0).powi(2) / 1.01).sum::<f64>() / 1024.0;
+        assert!(own.covers(truth) && (0.5..2.0).contains(&(own.relmse.mean / truth)), "{own:?} beside {truth}");
         let mut calm = Normal::new(3);
         let own = own_error(&series(16, |_, _| 1.0 + 0.01 * calm.next()));
         assert!(!own.at_least && own.largest_share < 0.02 && own.tail_index.unwrap() > 4.0, "{own:?}");

@@ -2,8 +2,8 @@
 
 use super::series::{Series, variance_of_mean};
 use super::truth::Truth;
-use crate::bench::stats::student_two_sided;
 use crate::film::Image;
+use crate::metrics::intervals::student_two_sided;
 
 /// Deviations within which nobody asks how probable they are.
 const NEAR: f64 = 2.0;
@@ -125,6 +125,11 @@ impl TileMean {
         Self { mean, variance, freedom: f64::INFINITY, shift: (0.0, 0.0), blur: 0.0 }
     }
 
+    /// Whether it is of a series of which not a single sample arrived.
+    pub fn is_empty(&self) -> bool {
+        self.freedom.is_finite() && self.mean == 0.0 && self.variance == 0.0
+    }
+
     /// What of the difference of the halves is beyond their noise.
     fn own_blur(&self) -> f64 {
         let (shift, variance) = self.shift;
@@ -136,8 +141,8 @@ impl TileMean {
     pub fn against(&self, other: &Self) -> (f64, f64) {
         let (va, vb) = (self.variance, other.variance);
         let difference = other.mean - self.mean;
-        // Where not a single sample of a series arrived, it knows nothing.
-        if [self, other].iter().any(|own| own.freedom.is_finite() && own.mean == 0.0 && own.variance == 0.0) {
+        // Where not a single sample of the other arrived, that knows nothing.
+        if other.is_empty() {
             return (0.0, 1.0);
         }
         // Rounding: images are of single precision.
@@ -179,7 +184,9 @@ impl TileMeans {
             for ((variances, shifts), mean) in shared[parent(tile)].iter_mut().zip(own) {
                 variances.push(mean.variance);
                 if mean.shift.1 > 0.0 {
-                    shifts.push(mean.shift.0.powi(2) / mean.shift.1);
+                    // Of noise alone it is F-distributed, with the mean d / (d - 2).
+                    let expected = mean.freedom / (mean.freedom - 2.0).max(0.5);
+                    shifts.push(mean.shift.0.powi(2) / mean.shift.1 / expected);
                 }
             }
         }

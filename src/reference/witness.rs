@@ -15,7 +15,7 @@ const NAMED: usize = 12;
 /// Deviations that a difference in one of many tiles has when it is seen.
 const DETECTED: f64 = 4.5;
 /// The share of a tile's deviations that a smaller tile within must have to be named in its place.
-const AS_MUCH: f64 = 0.5;
+const AS_MUCH: f64 = 0.75;
 /// Tiles of this size are those that [`Witness::detectable`] speaks of.
 const SPOKEN_OF: u32 = 16;
 
@@ -56,6 +56,7 @@ pub fn hold_against(
     while sizes.last().is_some_and(|size| *size < width.max(height)) {
         sizes.push(sizes[sizes.len() - 1].saturating_mul(STEP));
     }
+    let spoken_of = sizes.iter().copied().filter(|size| *size <= SPOKEN_OF).max().unwrap_or(1);
     let (mut tests, mut unseen, mut found, mut detectable) = (0, 0, Vec::new(), Vec::new());
     for size in &sizes {
         let own = TileMeans::of(width, height, *size, reference);
@@ -65,8 +66,13 @@ pub fn hold_against(
         tests += count;
         for ((tile, own), other) in own.tiles.iter().zip(&own.means).zip(&other.means) {
             for (own, other) in own.iter().zip(other) {
+                // A pixel that no sample has met yet is no black one.
+                if *size == 1 && own.is_empty() {
+                    continue;
+                }
                 let (deviations, p) = own.against(other);
-                if *size == SPOKEN_OF {
+                let is_black = own.mean == 0.0 && other.mean == 0.0;
+                if *size == spoken_of && !is_black {
                     let noise = own.variance + other.variance + own.blur + other.blur;
                     detectable.push(DETECTED * noise.sqrt() / own.mean.abs().max(RELATIVE_FLOOR));
                 }
@@ -102,7 +108,8 @@ pub fn hold_against(
         by_chance: kinds.of_witness.map(str::to_owned),
         unseen,
         tests: tests as u64,
-        detectable: detectable.get(detectable.len() / 2).copied().unwrap_or(0.0),
+        // Of nothing but black nobody has seen anything.
+        detectable: detectable.get(detectable.len() / 2).copied().unwrap_or(1.0),
         differences: differences.collect(),
     }
 }

@@ -36,6 +36,7 @@ mod serialized;
 mod spectrum;
 pub mod texture;
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -61,7 +62,7 @@ use crate::layout::{
 
 /// Roughness (alpha) below which a surface is nearly smooth.
 const NEAR_SMOOTH: f32 = 0.05;
-/// All area lights together are small where their area, beside the square of the scene's radius, is below this.
+/// A lamp is small where its area, beside the square of the scene's radius, is below this.
 const SMALL: f32 = 0.2;
 
 /// A scene, ready to be uploaded.
@@ -240,9 +241,11 @@ impl Scene {
                 _ => 0.0,
             }
         };
-        let lit: f32 = self.lights.iter().map(area).sum();
-        let few = !self.lights.is_empty() && lit < SMALL * self.core().1.powi(2);
-        self.has_delta_lights() || few || self.environment.is_some()
+        // A lamp has one surface, and as many lights as triangles.
+        let mut lamps: HashMap<u32, f32> = HashMap::new();
+        self.lights.iter().for_each(|light| *lamps.entry(light.source).or_default() += area(light));
+        let limit = SMALL * self.core().1.powi(2);
+        self.has_delta_lights() || self.environment.is_some() || lamps.values().any(|lit| *lit < limit)
     }
 
     /// Whether some material is a mirror or smooth glass, or is coated so.

@@ -14,12 +14,12 @@ use clap::Args;
 
 use lumbre::bench::peer::{Peer, SceneRequest};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
-use lumbre::bench::stats::CONFIDENCE;
 use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
 use lumbre::error::{Error, Result};
 use lumbre::film::Image;
 use lumbre::gpu::Gpu;
 use lumbre::integrator::Solves;
+use lumbre::metrics::intervals::CONFIDENCE;
 use lumbre::output::{Picture, check_writable, replace_file, write_picture};
 use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};

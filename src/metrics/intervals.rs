@@ -1,4 +1,4 @@
-//! Statistics of a bench: means over few independent runs, with intervals that say how sure they are.
+//! Means over few independent runs, with intervals that say how sure they are, and tests of what differs.
 
 use serde::{Deserialize, Serialize};
 
