@@ -799,7 +799,7 @@ fn the_page_works_in_a_browser() {
         assert_eq!((figure("ready"), figure("error")), ("yes", "none"), "{found}");
         assert!((width - 20..=width).contains(&number("window")), "{found}");
         assert!(number("content") <= number("window"), "wider than its window of {width}: {found}");
-        let charts = vec![format!("{kind}:relmse"); 4].join("+");
+        let charts = vec![format!("{kind}:parts"); 4].join("+");
         assert_eq!(figure("charts"), charts, "{found}");
         assert!(number("letters") >= 120, "letters of a chart are at least 12 px: {found}");
         assert_eq!((figure("panel"), figure("off")), ("mape", "true"), "{found}");

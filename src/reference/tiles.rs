@@ -62,17 +62,22 @@ impl Tile {
             && other.y < self.y + self.height
     }
 
+    /// How many pixels it has.
+    pub fn area(self) -> f64 {
+        f64::from(self.width) * f64::from(self.height)
+    }
+
     /// Whether it is a part of another one, and smaller.
     pub fn is_within(self, other: Self) -> bool {
         let (right, below) = (self.x + self.width, self.y + self.height);
         let inside =
             self.x >= other.x && self.y >= other.y && right <= other.x + other.width && below <= other.y + other.height;
-        inside && self.width * self.height < other.width * other.height
+        inside && self.area() < other.area()
     }
 
     fn mean(self, pixels: &[[f32; 3]], width: u32, channel: usize) -> f64 {
         let sum: f64 = self.pixels(width).map(|pixel| f64::from(pixels[pixel][channel])).sum();
-        sum / (f64::from(self.width) * f64::from(self.height))
+        sum / self.area()
     }
 }
 
@@ -118,7 +123,7 @@ impl TileMean {
 
     /// Of an image with the variance of its pixels, which are independent; without one it counts as exact.
     pub fn of_truth(truth: &Truth, tile: Tile, channel: usize) -> Self {
-        let (image, count) = (&truth.image, f64::from(tile.width) * f64::from(tile.height));
+        let (image, count) = (&truth.image, tile.area());
         let variance =
             truth.variance.as_ref().map_or(0.0, |variance| tile.mean(&variance.pixels, image.width, channel) / count);
         let mean = tile.mean(&image.pixels, image.width, channel);

@@ -14,8 +14,9 @@ const STEP: u32 = 4;
 const NAMED: usize = 12;
 /// Deviations that a difference in one of many tiles has when it is seen.
 const DETECTED: f64 = 4.5;
-/// The share of a tile's deviations that a smaller tile within must have to be named in its place.
-const AS_MUCH: f64 = 0.75;
+/// A smaller tile within is named in a tile's place where it has this many times the deviations that a difference which is the same everywhere
+/// would give it.
+const MORE_THAN_ITS_SHARE: f64 = 1.4;
 /// Tiles of this size are those that [`Witness::detectable`] speaks of.
 const SPOKEN_OF: u32 = 16;
 
@@ -85,10 +86,12 @@ pub fn hold_against(
         }
     }
     found.sort_by(|a, b| b.3.abs().total_cmp(&a.3.abs()));
-    // A tile is not named where a smaller one within says as much.
+    // A tile is not named where the difference is one of a smaller tile within.
     let all = found.clone();
     found.retain(|(tile, .., deviations)| {
-        !all.iter().any(|(other, .., own)| other.is_within(*tile) && own / deviations > AS_MUCH)
+        let has_more =
+            |other: Tile, own: f64| own / deviations > MORE_THAN_ITS_SHARE * (other.area() / tile.area()).sqrt();
+        !all.iter().any(|(other, .., own)| other.is_within(*tile) && has_more(*other, *own))
     });
     let mut named: Vec<(Tile, f64, f64, f64)> = Vec::new();
     for candidate in found {
