@@ -247,6 +247,15 @@ fn references_on_the_command_line() {
     let said = fails(command(&["-o", "a.exr", "--seed", "64"]), 2);
     assert!(said.contains("0..=63"), "{said}");
 
+    let sensor = "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/></film>";
+    let dark = "<emitter type='point'><rgb name='intensity' value='0'/></emitter><shape type='sphere'/>";
+    let text = format!("<scene version='3.0.0'><sensor type='perspective'>{sensor}</sensor>{dark}</scene>");
+    std::fs::write(here.join("dark.xml"), text).unwrap();
+    let mut of_nothing = lumbre();
+    of_nothing.current_dir(here).args(["reference", "dark.xml", "-o", "c.exr", "-t", "1"]);
+    let said = fails(of_nothing, 2);
+    assert!(said.contains("dark.xml is black") && !here.join("c.exr").exists(), "{said}");
+
     // The pilot takes a share of the time, so an interrupt during it finds nothing to keep; once the making has begun, it does.
     let mut child = start(command(&["-o", "b.exr", "-t", "8"]));
     let mut told = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);

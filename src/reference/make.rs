@@ -537,7 +537,12 @@ impl<'a> Work<'a> {
             by_chance: self.candidates[*index].by_chance.clone(),
         };
         let makers = shares.iter().map(maker).collect();
-        let truth = Truth::new(mixed.mean(), Some(mixed.variance())).with_noise(mixed.noise());
+        let image = mixed.mean();
+        if image.pixels.iter().flatten().all(|value| *value == 0.0) {
+            let scene = self.request.scene.source.display();
+            return Err(Error::Usage(format!("the image of {scene} is black: nothing can be compared with it")));
+        }
+        let truth = Truth::new(image, Some(mixed.variance())).with_noise(mixed.noise());
         let certificate = {
             let found = |(_, found): (usize, Witness)| found;
             self.certificate(makers, error, witness.map(found), others.into_iter().map(found).collect())
