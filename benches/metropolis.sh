@@ -6,9 +6,9 @@ out=$(realpath -m "${1:-out/metropolis}")
 size=64x64
 . "$(dirname "$0")/hard_light.sh"
 
-add cornell bdpt 20
-add bidirectional_room bdpt 40
-add door_ajar path 200
-add ring_caustic vcm 60
-add torus_in_glass vcm 60
+add cornell 20
+add bidirectional_room 40
+add door_ajar 200
+add ring_caustic 60
+add torus_in_glass 60
 bench path,bdpt,mlt:form=primary,mlt:form=multiplexed,mlt:form=paths "${SECONDS_PER_RUN:-3}" "${SEEDS:-6}" page
