@@ -80,6 +80,8 @@ pub enum Chance {
     HiddenCaustics,
     /// What the camera sees by way of surfaces that are nearly smooth.
     Reflections,
+    /// What glossy surfaces show of caustics.
+    GlossyCaustics,
 }
 
 impl Chance {
@@ -89,6 +91,7 @@ impl Chance {
             Self::Caustics => "caustics of small lights",
             Self::HiddenCaustics => "caustics of small lights that the camera sees by way of mirrors and smooth glass",
             Self::Reflections => "what the camera sees in surfaces that are nearly smooth",
+            Self::GlossyCaustics => "caustics of small lights on glossy surfaces",
         }
     }
 }
@@ -484,7 +487,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         splats: false,
         kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
         misses: &[],
-        by_chance: &[],
+        by_chance: &[Chance::GlossyCaustics],
         referee: true,
         good_at: "caustics, also as mirrors and glass show them",
         bad_at: "glossy surfaces, and light that is easy to aim at",

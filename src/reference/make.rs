@@ -432,7 +432,9 @@ impl<'a> Work<'a> {
             };
             return Ok(Heard { maker, witness: Some(witness), others: vec![other], outvoted: None });
         }
-        if !found.differences.is_empty() && self.held_against(second, third).reason_to_ask().is_none() {
+        // One that is blind where the others differ does not make a majority: it must contradict the maker as well.
+        let both = !found.differences.is_empty() && !of_maker.differences.is_empty();
+        if both && self.held_against(second, third).reason_to_ask().is_none() {
             // Two against one: the better of them goes on from what it has.
             let seconds = self.seconds(maker);
             let agreeing = self.best(seconds, &|index| index == second || index == third).unwrap_or(second);

@@ -103,6 +103,7 @@ impl Technique {
         let has = |chance: &&Chance| match chance {
             Chance::Caustics | Chance::HiddenCaustics => scene.has_specular() && scene.has_small_lights(),
             Chance::Reflections => scene.has_specular(),
+            Chance::GlossyCaustics => scene.has_specular() && scene.has_small_lights() && scene.has_glossy(),
         };
         let all: Vec<&str> = self.row.by_chance.iter().filter(has).map(|chance| chance.what()).collect();
         (!all.is_empty()).then(|| all.join(", and "))

@@ -62,6 +62,8 @@ use crate::layout::{
 
 /// Roughness (alpha) below which a surface is nearly smooth.
 const NEAR_SMOOTH: f32 = 0.05;
+/// Roughness (alpha) below which its lobe is narrow.
+const GLOSSY: f32 = 0.2;
 /// A lamp is small where its area, beside the square of the scene's radius, is below this.
 const SMALL: f32 = 0.2;
 
@@ -257,27 +259,41 @@ impl Scene {
     /// Whether some material reflects or refracts nearly like a mirror or smooth glass, somewhere: light that it throws elsewhere is found by a
     /// path from there only by chance.
     pub fn has_specular(&self) -> bool {
-        let glossy = |material: &Material| {
-            let textured =
-                self.material_textures.get(material.textures as usize).is_some_and(|own| own.roughness != NONE);
+        self.has_smooth() || self.has_rough_below(NEAR_SMOOTH)
+    }
+
+    /// Whether some material has a narrow lobe that is no mirror's: what it shows of caustics is found only by chance by who gathers photons
+    /// around points.
+    pub fn has_glossy(&self) -> bool {
+        self.has_rough_below(GLOSSY)
+    }
+
+    /// Whether some material is rough, and somewhere less so than this alpha.
+    fn has_rough_below(&self, limit: f32) -> bool {
+        let is_below = |material: &Material| {
+            let textures = self.material_textures.get(material.textures as usize);
+            let textured = textures.is_some_and(|own| own.roughness != NONE);
             let alpha = material.alpha_u.min(material.alpha_v);
+            let detail = material.detail as usize;
+            // The roughness of the last two is perceptual, the root of alpha; a clear coat is there to be smooth.
             match material.kind {
                 MATERIAL_ROUGH_CONDUCTOR | MATERIAL_ROUGH_DIELECTRIC | MATERIAL_ROUGH_PLASTIC => {
-                    textured || alpha < NEAR_SMOOTH
+                    textured || alpha < limit
                 }
-                // Their roughness is perceptual, the root of alpha; a clear coat is there to be smooth.
                 MATERIAL_PRINCIPLED => {
-                    let coated = self.principleds.get(material.detail as usize).is_some_and(|own| own.clearcoat > 0.0);
-                    textured || coated || alpha * alpha < NEAR_SMOOTH
+                    textured
+                        || alpha * alpha < limit
+                        || self.principleds.get(detail).is_some_and(|own| own.clearcoat > 0.0)
                 }
                 MATERIAL_LAYERED => {
-                    let coated = self.layereds.get(material.detail as usize).is_some_and(|own| own.clearcoat > 0.0);
-                    textured || coated || alpha * alpha < NEAR_SMOOTH
+                    textured
+                        || alpha * alpha < limit
+                        || self.layereds.get(detail).is_some_and(|own| own.clearcoat > 0.0)
                 }
                 _ => false,
             }
         };
-        self.has_smooth() || self.materials.iter().any(glossy)
+        self.materials.iter().any(is_below)
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.
