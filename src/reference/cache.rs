@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::certificate::SCHEMA;
 use super::file::{read, write};
-use super::make::{Budget, Request, Step, make};
+use super::make::make;
 use super::parts::{self, Parts};
+use super::request::{Budget, Request, Step};
 use super::truth::Truth;
 use crate::error::{Error, Result};
 use crate::render::kernels_fingerprint;
