@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::metrics::intervals::Interval;
 
-/// Of the time that is left then: what making takes at first, and what the witness does. The rest is for whatever they differ in, and
+/// Of the time that trying the techniques has left: what making takes at first, and what the witness does. The rest is for whatever they differ in, and
 /// goes into making where they do not.
 const MAKING: f64 = 0.5;
 const CHECKING: f64 = 0.25;

@@ -53,12 +53,14 @@ impl Truth {
         }
     }
 
-    /// The same image with what is known of it: the interval of its own error replaces the one that normal pixels would have.
+    /// The same image with what is known of it. How uncertain its own error is says how uncertain the noise is that is taken off; a blur of
+    /// it stays in all errors.
     #[must_use]
     pub fn certified(mut self, certificate: Certificate) -> Self {
         let error = &certificate.error;
-        let reach = 0.5 * (error.relmse.high - error.relmse.low) / 1.96;
-        self.deviations[1] = self.deviations[1].max(reach).hypot(error.bias);
+        let relative = (0.5 * (error.relmse.high - error.relmse.low) / 1.96 / error.relmse.mean).clamp(0.0, 1.0);
+        let uncertain = if relative.is_finite() { relative * self.relmse } else { 0.0 };
+        self.deviations[1] = self.deviations[1].max(uncertain).hypot(error.bias);
         self.certificate = Some(certificate);
         self
     }
