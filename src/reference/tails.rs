@@ -14,45 +14,30 @@ const TAIL: f64 = 2e-3;
 /// The fewest values for that.
 const LEAST_TAIL: usize = 10;
 
-/// The relMSE of a series' mean, beside the medians of its images: these do not know the brightest samples, so the error is rather stated
-/// too large.
+/// The relMSE of a series' mean.
 ///
 /// Each image is held against the mean of the others. How these errors scatter, in logarithms, says within which range one more error of
 /// the kind lies (Student's prediction interval), and so the error of the mean: this sees noise that neighbouring pixels share, and bright
 /// samples as far as some images have them and some do not.
+///
+/// Errors are relative to the medians of the images, which do not know the brightest samples: a firefly makes the mean of its pixel large, and
+/// would look small beside that. Where the brightest samples are what there is, that is too much; so the interval begins where it does beside
+/// the means.
 pub fn own_error(series: &Series) -> OwnError {
     let parts: Vec<(f64, &[[f32; 3]])> = series.weighted().collect();
-    let mean = series.mean();
-    let n = parts.len() as f64;
-    let unknown = Interval { mean: 0.0, low: 0.0, high: f64::INFINITY };
     if parts.len() < 2 {
-        return OwnError { relmse: unknown, bias: 0.0, largest_share: 1.0, tail_index: None, at_least: true };
+        let relmse = Interval { mean: 0.0, low: 0.0, high: f64::INFINITY };
+        return OwnError { relmse, bias: 0.0, largest_share: 1.0, tail_index: None, at_least: true };
     }
-    let scales = scales(&parts);
-    let mut errors = Vec::new();
-    let mut values = Vec::new();
-    for (weight, image) in &parts {
-        let mut sum = 0.0;
-        for (pixel, (own, all)) in image.iter().zip(&mean.pixels).enumerate() {
-            let value = (0..3).map(|c| f64::from(own[c] - all[c]).powi(2) * scales[pixel][c]).sum::<f64>() / 3.0;
-            sum += value;
-            values.push(weight * value);
-        }
-        // The variance of the mean of all, as this image sees it: its distance from the mean has 1 - weight of its own variance.
-        errors.push(sum / image.len().max(1) as f64 * weight / (1.0 - weight));
-    }
-    let mean = errors.iter().sum::<f64>() / n;
-    let logs: Vec<f64> = errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).collect();
-    let middle = logs.iter().sum::<f64>() / n;
-    let scatter = (logs.iter().map(|log| (log - middle).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-    let reach = student_quantile(0.975, parts.len() as u32 - 1) * scatter * (1.0 + 1.0 / n).sqrt();
-    let relmse = Interval { mean, low: mean * (-reach).exp(), high: mean * reach.exp() };
+    let mean = series.mean();
+    let (relmse, mut values) = prediction(&parts, &mean.pixels, &medians(&parts));
+    let (beside_means, _) = prediction(&parts, &mean.pixels, &mean.pixels);
     values.sort_by(f64::total_cmp);
     let largest = ((LARGEST * values.len() as f64).ceil() as usize).clamp(1, values.len());
     let sum: f64 = values.iter().sum();
     let share = if sum > 0.0 { values[values.len() - largest..].iter().sum::<f64>() / sum } else { 0.0 };
     OwnError {
-        relmse: if mean > 0.0 { relmse } else { Interval::default() },
+        relmse: Interval { low: relmse.low.min(beside_means.low), ..relmse },
         bias: 0.0,
         largest_share: share,
         tail_index: tail_index(&values),
@@ -60,20 +45,44 @@ pub fn own_error(series: &Series) -> OwnError {
     }
 }
 
-/// 1 / (b² + 0.01) of each pixel and channel, b the median of the images: a firefly makes the mean of its pixel large, and its error would be
-/// small beside that.
-fn scales(parts: &[(f64, &[[f32; 3]])]) -> Vec<[f64; 3]> {
+/// The relMSE of the mean relative to `base`, with its interval, and what each pixel of each image contributes to it.
+fn prediction(parts: &[(f64, &[[f32; 3]])], mean: &[[f32; 3]], base: &[[f32; 3]]) -> (Interval, Vec<f64>) {
+    let n = parts.len() as f64;
+    let (mut errors, mut values) = (Vec::new(), Vec::new());
+    for (weight, image) in parts {
+        let mut sum = 0.0;
+        for ((own, all), base) in image.iter().zip(mean).zip(base) {
+            let channel = |c: usize| f64::from(own[c] - all[c]).powi(2) / (f64::from(base[c]).powi(2) + RELATIVE_FLOOR);
+            let value = (0..3).map(channel).sum::<f64>() / 3.0;
+            sum += value;
+            values.push(weight * value);
+        }
+        // The variance of the mean of all, as this image sees it: its distance from the mean has 1 - weight of its own variance.
+        errors.push(sum / image.len().max(1) as f64 * weight / (1.0 - weight));
+    }
+    let mean = errors.iter().sum::<f64>() / n;
+    if mean <= 0.0 {
+        return (Interval::default(), values);
+    }
+    let logs: Vec<f64> = errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).collect();
+    let middle = logs.iter().sum::<f64>() / n;
+    let scatter = (logs.iter().map(|log| (log - middle).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let reach = student_quantile(0.975, parts.len() as u32 - 1) * scatter * (1.0 + 1.0 / n).sqrt();
+    (Interval { mean, low: mean * (-reach).exp(), high: mean * reach.exp() }, values)
+}
+
+/// The median of the images in each pixel and channel.
+fn medians(parts: &[(f64, &[[f32; 3]])]) -> Vec<[f32; 3]> {
     let pixels = parts.first().map_or(0, |(_, image)| image.len());
     let mut values = vec![0.0; parts.len()];
-    let mut scale = |pixel: usize, channel: usize| {
+    let mut median = |pixel: usize, channel: usize| {
         for (value, (_, image)) in values.iter_mut().zip(parts) {
             *value = image[pixel][channel];
         }
         values.sort_by(f32::total_cmp);
-        let median = 0.5 * f64::from(values[(values.len() - 1) / 2] + values[values.len() / 2]);
-        1.0 / (median * median + RELATIVE_FLOOR)
+        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
     };
-    (0..pixels).map(|pixel| std::array::from_fn(|channel| scale(pixel, channel))).collect()
+    (0..pixels).map(|pixel| std::array::from_fn(|channel| median(pixel, channel))).collect()
 }
 
 /// Hill's estimate of the index of the tail of what the sorted values are the squares of: P(|x| > t) falls like t^-index.
