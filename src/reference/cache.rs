@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::render::kernels_fingerprint;
 
 /// Counts up whenever references are made in another way: older ones are not taken then.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 
 impl Request<'_> {
     /// What the image depends on, in 64 bits, but for how long it is rendered: the scene, the settings, the kernels, the

@@ -200,7 +200,7 @@ impl Work<'_> {
         let joining: Vec<usize> = witness.iter().chain(&others).filter(may_join).map(|(index, _)| *index).collect();
         let aiming = joining.iter().copied().filter(|index| self.candidates[*index].by_chance.is_none());
         // With bright samples that a technique meets by chance, more of it can be worse than less.
-        let sets = [Vec::new(), aiming.collect(), joining.clone()];
+        let sets = [aiming.collect(), joining.clone()];
         let mut best: Option<(f64, Vec<(usize, f64)>, Series, OwnError)> = None;
         for set in sets {
             let (shares, mixed) = self.mixed(maker, &set);
