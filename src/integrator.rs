@@ -337,7 +337,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: false,
         good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
         bad_at: "small lamps, which chance seldom finds",
-        measured: "1/41 of `path` in `cornell`, 1/65 on `veach_mis`",
+        measured: "1/46 of `path` in `cornell`, 1/63 on `veach_mis`",
         parameters: &[
             Parameter {
                 name: "form",
@@ -371,7 +371,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: true,
         good_at: "most scenes: wherever the camera's paths can aim at the light",
         bad_at: "caustics, and lamps hidden in their fittings",
-        measured: "41 times `path-implicit` in `cornell`; 1/182 of `photon` in `torus_in_glass`, 1/70 of `bdpt` in \
+        measured: "46 times `path-implicit` in `cornell`; 1/93 of `photon` in `torus_in_glass`, 1/58 of `bdpt` in \
                    `bidirectional_room`",
         parameters: &[],
     },
@@ -415,7 +415,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: true,
         good_at: "caustics on matte surfaces, which the camera sees directly",
         bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
-        measured: "61 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
+        measured: "22 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
                    `reflected_caustic`: the rest stays black",
         parameters: &[],
     },
@@ -434,7 +434,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: true,
         good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
         bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
-        measured: "70 times `path` in `bidirectional_room`, 96 in `caustic_small_light`; 0.52 in `cornell`, 1.0 in \
+        measured: "58 times `path` in `bidirectional_room`, 185 in `caustic_small_light`; 0.50 in `cornell`, 0.91 in \
                    `torus_in_glass`",
         parameters: &[WEIGHTS],
     },
@@ -461,7 +461,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: true,
         good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
         bad_at: "light that is easy to aim at: its samples take the longest",
-        measured: "123 times `path` in `ring_caustic`, 110 in `reflected_caustic`, 1.8 in `small_vcm`; 0.23 in `cornell`",
+        measured: "97 times `path` in `ring_caustic`, 85 in `reflected_caustic`, 3.2 in `small_vcm`; 0.21 in `cornell`",
         parameters: &[
             WEIGHTS,
             Parameter {
@@ -491,7 +491,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         referee: true,
         good_at: "caustics, also as mirrors and glass show them",
         bad_at: "glossy surfaces, and light that is easy to aim at",
-        measured: "182 times `path` in `torus_in_glass`, 163 in `reflected_caustic`; 0.11 in `cornell`, 0.36 in `small_vcm`",
+        measured: "93 times `path` in `torus_in_glass`, 158 in `reflected_caustic`; 0.074 in `cornell`, 0.51 in `small_vcm`",
         parameters: &[
             Parameter {
                 name: "direct",
