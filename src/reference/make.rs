@@ -200,20 +200,18 @@ impl Work<'_> {
         let joining: Vec<usize> = witness.iter().chain(&others).filter(may_join).map(|(index, _)| *index).collect();
         let aiming = joining.iter().copied().filter(|index| self.candidates[*index].by_chance.is_none());
         // With bright samples that a technique meets by chance, more of it can be worse than less.
-        let sets = [aiming.collect(), joining.clone()];
-        let mut best: Option<(f64, Vec<(usize, f64)>, Series, OwnError)> = None;
-        for set in sets {
-            let (shares, mixed) = self.mixed(maker, &set);
+        let of = |set: &[usize]| {
+            let (shares, mixed) = self.mixed(maker, set);
             let mut error = own_error(&mixed);
             if mixed.is_blurred {
                 error.bias = blur(&mixed, 2.0);
             }
-            let all = error.relmse.mean + error.bias;
-            if best.as_ref().is_none_or(|(least, ..)| all < *least) {
-                best = Some((all, shares, mixed, error));
-            }
-        }
-        let Some((_, shares, mixed, error)) = best else { return Err(nobody(self.request)) };
+            (shares, mixed, error)
+        };
+        let (with_those_that_aim, with_all) = (of(&aiming.collect::<Vec<usize>>()), of(&joining));
+        let all = |error: &OwnError| error.relmse.mean + error.bias;
+        let is_better = all(&with_all.2) < all(&with_those_that_aim.2);
+        let (shares, mixed, error) = if is_better { with_all } else { with_those_that_aim };
         let maker = |(index, share): &(usize, f64)| Maker {
             technique: self.name(*index),
             spp: self.series(*index).spp(),
