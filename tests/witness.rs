@@ -258,7 +258,7 @@ fn references_on_the_command_line() {
     assert!(said.contains("dark.xml is black") && !here.join("c.exr").exists(), "{said}");
 
     // The pilot takes a share of the time, so an interrupt during it finds nothing to keep; once the making has begun, it does.
-    let mut child = start(command(&["-o", "b.exr", "-t", "8"]));
+    let mut child = start(command(&["-o", "b.exr", "-t", "40"]));
     let mut told = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
     assert!(told.any(|line| line.starts_with("reference by ")));
     std::thread::sleep(std::time::Duration::from_secs(3));
@@ -267,9 +267,10 @@ fn references_on_the_command_line() {
     assert!(last.contains("b.exr.parts; the same command goes on"), "{last}");
     assert_eq!(child.wait().unwrap().code(), Some(1));
     assert!(here.join("b.exr.parts").exists() && !here.join("b.exr").exists());
+    // What was spent counts, so that a shorter time is nearly over; how long that is depends on the machine.
     let output = command(&["-o", "b.exr", "-t", "8", "--json", "b.json"]).output().unwrap();
     assert!(output.status.success() && !errors(&output).contains("trying"), "{}", errors(&output));
-    let seconds = json("b.json")["seconds"].as_f64().unwrap();
-    assert!((7.0..11.0).contains(&seconds), "{seconds}");
+    let [seconds, pilots] = ["seconds", "pilot_seconds"].map(|name| json("b.json")[name].as_f64().unwrap());
+    assert!(seconds > pilots + 3.0, "{seconds} of which {pilots}");
     assert!(here.join("b.exr").exists() && !here.join("b.exr.parts").exists());
 }
