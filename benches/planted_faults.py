@@ -535,7 +535,7 @@ FAULTS = [
     Fault("reference-own-error", "src/reference/tails.rs",
           "* weight / (1.0 - weight)", "* weight / (1.1 - weight)", "a reference's own error 10 % too small", ["lib:reference::tails"]),
     Fault("reference-blur", "src/reference/tails.rs",
-          "2.25 * ((sum / pixels).max(0.0)", "0.25 * ((sum / pixels).max(0.0)", "blur a third of what it is", ["lib:reference::tails"]),
+          "SHIFT_OF_MEAN * ((sum / pixels).max(0.0)", "0.25 * ((sum / pixels).max(0.0)", "blur a third of what it is", ["lib:reference::tails"]),
     Fault("reference-witness-blind", "src/reference/witness.rs",
           "sidak(sidak(ALPHA, sizes.len()), count)", "sidak(sidak(1e-9 * ALPHA, sizes.len()), count)",
           "a witness that sees nothing but blunders", ["witness::a_wrong_scale_in_a_twentieth_is_found", "lib:reference::witness"]),

@@ -10,11 +10,10 @@ use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Result};
 use lumbre::gpu::{DeviceKind, Gpu};
 use lumbre::integrator::INTEGRATORS;
-use lumbre::output::check_writable;
 use lumbre::render::{KernelSize, Prediction, Settings, Technique, kernel_sizes};
 use lumbre::scene::Scene;
 
-use super::render::{parse_size, write_json};
+use super::render::{check_json, parse_size, write_json};
 use super::{DeviceArgs, SceneArgs, print, print_warnings};
 use census::{Census, Memory};
 
@@ -36,9 +35,7 @@ pub(super) struct InfoArgs {
 }
 
 pub(super) fn run(args: &InfoArgs) -> Result<()> {
-    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
-        check_writable(path)?;
-    }
+    check_json(args.json.as_deref())?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
     // Everything but the size of the driver's acceleration structures is known without a device.

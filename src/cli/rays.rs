@@ -6,10 +6,9 @@ use clap::Args;
 
 use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Error, Result};
-use lumbre::output::check_writable;
 use lumbre::rays::{Measurement, PerRay, measure};
 
-use super::render::{parse_size, write_json};
+use super::render::{check_json, parse_size, write_json};
 use super::{DeviceArgs, SceneArgs, choose_backend, print, print_warnings};
 
 #[derive(Args)]
@@ -38,9 +37,7 @@ pub(super) struct RaysArgs {
 }
 
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
-    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
-        check_writable(path)?;
-    }
+    check_json(args.json.as_deref())?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
     let gpu = args.device.open()?;

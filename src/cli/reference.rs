@@ -1,6 +1,5 @@
 //! `lumbre reference`: an image that stands for the truth, with what is known of it; or a check of one.
 
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -14,7 +13,9 @@ use lumbre::output::{Format, check_writable, format_of};
 use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
 
-use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
+use super::render::{
+    Depth, bar_on_terminal, check_json, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json,
+};
 use super::{DeviceArgs, SceneArgs, choose_backend, print, print_warnings};
 
 /// Seconds between two lines of progress where standard error is no terminal.
@@ -73,9 +74,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
         }
         check_writable(path)?;
     }
-    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
-        check_writable(path)?;
-    }
+    check_json(args.json.as_deref())?;
     let scene = args.scene.load()?;
     if !args.quiet {
         print_warnings(&scene);
@@ -167,7 +166,7 @@ pub(super) fn told(step: &Step) -> Option<String> {
 }
 
 /// What is known of a reference, on the terminal.
-pub(super) fn print_certificate(certificate: &Certificate) {
+fn print_certificate(certificate: &Certificate) {
     for pilot in &certificate.pilots {
         let chance = pilot.by_chance.as_ref().map_or(String::new(), |what| format!(", finds {what} only by chance"));
         let lacking = if pilot.lacking > 0.0 { format!(", lacks {:.1e}", pilot.lacking) } else { String::new() };
@@ -214,8 +213,7 @@ struct Progress {
 
 impl Progress {
     fn new(quiet: bool) -> Self {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| ProgressBar::new(1000));
-        Self { quiet, bar, last: Instant::now() }
+        Self { quiet, bar: if quiet { None } else { bar_on_terminal() }, last: Instant::now() }
     }
 
     fn hear(&mut self, step: &Step) {

@@ -26,6 +26,7 @@ use lumbre::strategies::{LONGEST, Strategies};
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
 use keep::Keeper;
+pub(super) use progress::bar_on_terminal;
 use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.
@@ -335,9 +336,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
             "--lengths and --aov write layers of an EXR file: give an output that ends in .exr",
         )));
     }
-    if let Some(path) = args.json.as_deref().filter(|path| *path != Path::new("-")) {
-        check_writable(path)?;
-    }
+    check_json(args.json.as_deref())?;
     Ok(outputs)
 }
 
@@ -418,6 +417,11 @@ pub(super) fn listen_for_interrupts() -> Arc<AtomicBool> {
         }
     });
     interrupted
+}
+
+/// Fails where the JSON that was asked for could not be written.
+pub(super) fn check_json(path: Option<&Path>) -> Result<()> {
+    path.filter(|path| *path != Path::new("-")).map_or(Ok(()), check_writable)
 }
 
 /// Writes a value as JSON to a file, or to standard output where the path is `-`.

@@ -176,6 +176,11 @@ impl Certificate {
 }
 
 impl Witness {
+    /// What light it has not aimed at, in words, if there is any.
+    pub fn nobody_aimed(&self) -> Option<String> {
+        self.by_chance.as_ref().map(|light| format!("nobody has aimed at {light} yet"))
+    }
+
     /// Why another technique is to be asked, in words; nothing where this one confirms the reference.
     pub fn reason_to_ask(&self) -> Option<String> {
         match (self.differences.first(), self.unseen) {
@@ -185,13 +190,6 @@ impl Witness {
                 Some(format!("{} lacks light in {places} tiles that it finds only by chance", self.technique))
             }
         }
-    }
-}
-
-impl Witness {
-    /// What light it has not aimed at, in words, if there is any.
-    pub fn nobody_aimed(&self) -> Option<String> {
-        self.by_chance.as_ref().map(|light| format!("nobody has aimed at {light} yet"))
     }
 }
 

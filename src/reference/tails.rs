@@ -4,11 +4,11 @@ use super::certificate::OwnError;
 use super::series::Series;
 use crate::metrics::RELATIVE_FLOOR;
 use crate::metrics::intervals::{Interval, student_quantile};
+use crate::metrics::pixels::{HEAVY_TAIL, worst_share};
 
-/// The share of the values that count as the largest.
-const LARGEST: f64 = 1e-3;
-/// Where these make more of the noise than this, it is decided by too few to be known.
-const TRUSTED_SHARE: f64 = 0.3;
+/// The square of how far the mean of a series is off whose one half is blurred by twice the squared radius of the other, beside the difference
+/// of the halves.
+pub(super) const SHIFT_OF_MEAN: f64 = 2.25;
 /// How many values the tail's index is estimated from, of so many that there are.
 const TAIL: f64 = 2e-3;
 /// The fewest values for that.
@@ -33,15 +33,14 @@ pub fn own_error(series: &Series) -> OwnError {
     let (relmse, mut values) = prediction(&parts, &mean.pixels, &medians(&parts));
     let (beside_means, _) = prediction(&parts, &mean.pixels, &mean.pixels);
     values.sort_by(f64::total_cmp);
-    let largest = ((LARGEST * values.len() as f64).ceil() as usize).clamp(1, values.len());
-    let sum: f64 = values.iter().sum();
-    let share = if sum > 0.0 { values[values.len() - largest..].iter().sum::<f64>() / sum } else { 0.0 };
+    let tail_index = tail_index(&values);
+    let share = worst_share(&mut values);
     OwnError {
         relmse: Interval { low: relmse.low.min(beside_means.low), ..relmse },
         bias: 0.0,
         largest_share: share,
-        tail_index: tail_index(&values),
-        at_least: share > TRUSTED_SHARE,
+        tail_index,
+        at_least: share > HEAVY_TAIL,
     }
 }
 
@@ -137,7 +136,7 @@ pub(super) fn blur(series: &Series, deviations: f64) -> f64 {
     // Two pairs leave nothing to compare; then pixels must do.
     let of_pixels = (squares - sum * sum / pixels).max(0.0);
     let deviation = ((n - 1.0) / n * scatter).max(of_pixels).sqrt() / pixels;
-    2.25 * ((sum / pixels).max(0.0) + deviations * deviation)
+    SHIFT_OF_MEAN * ((sum / pixels).max(0.0) + deviations * deviation)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Means of tiles of an image with what is known of their noise, and how far those of two images are apart.
 
 use super::series::{Series, variance_of_mean};
+use super::tails::SHIFT_OF_MEAN;
 use super::truth::Truth;
 use crate::film::Image;
 use crate::metrics::intervals::student_two_sided;
@@ -12,8 +13,6 @@ const NEAR: f64 = 2.0;
 const PARENT: u32 = 4;
 /// A tile's variance is no less than this, beside the median of its neighbours'.
 const LEAST_SHARED: f64 = 0.5;
-/// The square of how far the mean of a blurred series is off, beside the difference of its halves.
-const SHIFT_OF_MEAN: f64 = 2.25;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,19 +30,20 @@ pub struct Tile {
 impl Tile {
     /// All tiles of that size, row by row; those at the right and lower border are smaller.
     pub fn all(width: u32, height: u32, size: u32) -> impl Iterator<Item = Self> {
-        (0..height).step_by(size as usize).flat_map(move |y| {
+        Self::stepping(width, height, size, size)
+    }
+
+    fn stepping(width: u32, height: u32, size: u32, step: u32) -> impl Iterator<Item = Self> {
+        (0..height).step_by(step as usize).flat_map(move |y| {
             let tile = move |x| Self { x, y, width: size.min(width - x), height: size.min(height - y) };
-            (0..width).step_by(size as usize).map(tile)
+            (0..width).step_by(step as usize).map(tile)
         })
     }
 
     /// The same, and those between them: shifted by half of their size in either direction.
     pub fn overlapping(width: u32, height: u32, size: u32) -> impl Iterator<Item = Self> {
         let step = if size < width.max(height) { (size / 2).max(1) } else { size };
-        let tile = move |x, y| Self { x, y, width: size.min(width - x), height: size.min(height - y) };
-        let all = (0..height)
-            .step_by(step as usize)
-            .flat_map(move |y| (0..width).step_by(step as usize).map(move |x| tile(x, y)));
+        let all = Self::stepping(width, height, size, step);
         // What is left of the last ones at the border is a part of those before them.
         all.filter(move |tile| tile.x % size == 0 && tile.y % size == 0 || tile.width == size && tile.height == size)
     }

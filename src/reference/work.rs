@@ -73,7 +73,7 @@ impl<'a> Work<'a> {
             kept: now,
         };
         if work.parts.tried.is_empty() {
-            work.try_all(all, budget)?;
+            work.try_all(all)?;
             work.parts.pilot_seconds = work.spent();
         } else {
             if budget.is_none() {
@@ -90,12 +90,12 @@ impl<'a> Work<'a> {
     }
 
     /// Seeds of a technique's renderings: no two have one in common, and no bench has them.
-    pub fn seeds(&self, slot: usize) -> u32 {
+    fn seeds(&self, slot: usize) -> u32 {
         1 << 31 | u32::from(self.checks) << 30 | (self.request.seed & 0x3f) << 24 | ((slot as u32) & 0xf) << 20
     }
 
     /// Has each of these render for a moment, and judges all that were tried.
-    pub fn try_all(&mut self, candidates: Vec<Candidate>, budget: Option<f64>) -> Result<()> {
+    fn try_all(&mut self, candidates: Vec<Candidate>) -> Result<()> {
         let Request { gpu, scene, settings, .. } = *self.request;
         let mut refused = None;
         for candidate in candidates {
@@ -111,16 +111,14 @@ impl<'a> Work<'a> {
                 Err(error) => return Err(error),
             };
             runner.calibrate(0.2 * (PILOT * self.budget).max(LEAST_PILOT))?;
-            if let (None, Budget::Samples(samples), []) = (budget, self.request.budget, self.trials.as_slice()) {
+            if let (Budget::Samples(samples), []) = (self.request.budget, self.trials.as_slice()) {
                 self.budget = (samples * runner.seconds_per_sample).max(LEAST_BUDGET);
             }
             let seconds = (PILOT * self.budget).max(LEAST_PILOT);
             let mut series = runner.series(seconds, PILOT_IMAGES);
-            let (hear, spent) = (&mut self.hear, self.parts.spent);
-            let (started, budget) = (self.started, self.budget);
-            runner.extend(&mut series, seconds, &mut |_| {
-                hear(Step::Share(((spent + started.elapsed().as_secs_f64()) / budget).min(1.0)))
-            })?;
+            let share = self.share();
+            let hear = &mut self.hear;
+            runner.extend(&mut series, seconds, &mut |_| hear(Step::Share(share())))?;
             self.trials.push((candidate, series, runner.seconds_per_sample));
         }
         if let ([], Some(error)) = (self.trials.as_slice(), refused) {
@@ -129,6 +127,12 @@ impl<'a> Work<'a> {
         self.parts.tried = judge(&self.trials);
         self.candidates = self.trials.iter().map(|(candidate, ..)| candidate.clone()).collect();
         Ok(())
+    }
+
+    /// The share of the time that has passed, whenever it is asked for.
+    fn share(&self) -> impl Fn() -> f64 + use<> {
+        let (before, started, budget) = (self.parts.spent, self.started, self.budget);
+        move || ((before + started.elapsed().as_secs_f64()) / budget).min(1.0)
     }
 
     pub fn spent(&self) -> f64 {
@@ -186,7 +190,7 @@ impl<'a> Work<'a> {
             let more = std::mem::take(&mut self.held_back);
             // The last one's memory first.
             self.runner = None;
-            self.try_all(more, None)?;
+            self.try_all(more)?;
         }
         let by_chance = |index: &usize| self.candidates[*index].by_chance.is_some();
         let mut excluded = but.to_vec();
@@ -206,6 +210,7 @@ impl<'a> Work<'a> {
             let runner = Runner::new(gpu, scene, settings, &self.candidates[index], self.seeds(index), known)?;
             self.runner = Some((index, runner));
         }
+        let share = self.share();
         let Some((_, runner)) = &mut self.runner else { return Ok(()) };
         let pixels = (settings.width as usize * settings.height as usize).max(1);
         let most = (MOST_PIXELS / pixels).clamp(LEAST_IMAGES, IMAGES);
@@ -227,7 +232,7 @@ impl<'a> Work<'a> {
                 let _ = keep(series, all);
                 *kept = Instant::now();
             }
-            hear(Step::Share(((before + started.elapsed().as_secs_f64()) / budget).min(1.0)))
+            hear(Step::Share(share()))
         });
         if done.is_err() && before + started.elapsed().as_secs_f64() > WORTH_KEEPING {
             keep(&series, all)?;

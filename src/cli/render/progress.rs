@@ -18,7 +18,7 @@ const FIRST_LINE: f64 = 2.0;
 const FIRST_BAR: f64 = 0.5;
 
 /// A bar of a thousand steps on standard error, where that is a terminal.
-fn bar_on_terminal() -> Option<ProgressBar> {
+pub(in crate::cli) fn bar_on_terminal() -> Option<ProgressBar> {
     std::io::stderr().is_terminal().then(|| {
         let bar = ProgressBar::new(1000);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
