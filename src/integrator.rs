@@ -3,7 +3,7 @@
 //! A technique is one row here and one file in `shaders/integrators/`. `build.rs` reads the same table and compiles every
 //! row, pass and backend; the command line, the tests and the documentation iterate it.
 
-use crate::layout::{BIDIRECTIONAL_LENGTH, LIGHT_VERTEX_BYTES, PHOTON_BYTES, PHOTONS_OF_PATH};
+use crate::layout::{BIDIRECTIONAL_LENGTH, LightVertex, PHOTONS_OF_PATH, Photon};
 
 /// What transport a technique accounts for; each kind is a part of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -455,7 +455,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),
         rr_depth: 5,
         splats: true,
-        kept: Kept::Grid(LIGHT_VERTEX_BYTES, BIDIRECTIONAL_LENGTH - 1),
+        kept: Kept::Grid(size_of::<LightVertex>() as u32, BIDIRECTIONAL_LENGTH - 1),
         misses: &[],
         by_chance: &[],
         referee: true,
@@ -485,7 +485,7 @@ pub const INTEGRATORS: &[Integrator] = &[
         bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
         rr_depth: 5,
         splats: false,
-        kept: Kept::Grid(PHOTON_BYTES, PHOTONS_OF_PATH),
+        kept: Kept::Grid(size_of::<Photon>() as u32, PHOTONS_OF_PATH),
         misses: &[],
         by_chance: &[Chance::GlossyCaustics],
         referee: true,

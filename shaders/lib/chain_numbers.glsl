@@ -33,7 +33,7 @@ bool block_place(uint chain, uint dimension, out Numbers place) {
     uint block = light ? dimension - LIGHT_DIMENSION : dimension;
     uint room = light ? table.light_blocks : table.camera_blocks;
     uint64_t index = uint64_t(light ? table.camera_blocks + block : block) * uint64_t(table.chains) + uint64_t(chain);
-    place = Numbers(unpack32(pack64(table.numbers) + 16ul * index));
+    place = Numbers(unpack32(pack64(table.numbers) + uint64_t(VEC4_BYTES) * index));
     return block < room;
 }
 

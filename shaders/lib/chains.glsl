@@ -16,12 +16,12 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Candidates {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Chains { Chain chain; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 value; };
 
-Candidates candidate_at(uint index) { return Candidates(unpack32(pack64(chain_table().candidates) + 8ul * uint64_t(index))); }
-Chains chain_at(uint index) { return Chains(unpack32(pack64(chain_table().states) + 36ul * uint64_t(index))); }
+Candidates candidate_at(uint index) { return Candidates(unpack32(pack64(chain_table().candidates) + uint64_t(CANDIDATE_BYTES) * uint64_t(index))); }
+Chains chain_at(uint index) { return Chains(unpack32(pack64(chain_table().states) + uint64_t(CHAIN_BYTES) * uint64_t(index))); }
 
 Values value_at(uint chain, uint layer) {
     ChainTable table = chain_table();
-    return Values(unpack32(pack64(table.values) + 12ul * (uint64_t(layer) * uint64_t(table.chains) + uint64_t(chain))));
+    return Values(unpack32(pack64(table.values) + uint64_t(VEC3_BYTES) * (uint64_t(layer) * uint64_t(table.chains) + uint64_t(chain))));
 }
 
 // A path that a chain may go to.

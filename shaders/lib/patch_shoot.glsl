@@ -13,7 +13,7 @@ float power_unit() { return scene.splat_unit * (PI * scene.radius) * (PI * scene
 
 Power arriving(PatchTable t, uint layer, uint index) {
     uint64_t place = uint64_t(t.patch_count) * layer + index;
-    return Power(unpack32(pack64(t.arriving) + 24ul * (place + 1ul)));
+    return Power(unpack32(pack64(t.arriving) + uint64_t(FIXED_RGB_BYTES) * (place + 1ul)));
 }
 Totals totals(PatchTable t) { return Totals(t.arriving); }
 

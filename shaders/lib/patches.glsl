@@ -16,7 +16,7 @@ uint round_index() { return frame.round & ~PREPARING_BIT; }
 bool round_prepares() { return (frame.round & PREPARING_BIT) != 0u; }
 
 // The values that begin `count` vectors after an address.
-Values values_after(uvec2 address, uint64_t count) { return Values(unpack32(pack64(address) + 12ul * count)); }
+Values values_after(uvec2 address, uint64_t count) { return Values(unpack32(pack64(address) + uint64_t(VEC3_BYTES) * count)); }
 
 // A layer of irradiance in one of both halves: what patches have received from light of layer + 1 segments.
 Values received(PatchTable t, uint part, uint layer) {

@@ -13,24 +13,7 @@ const uint VERTEX_POINT = 3u;      // a light without extent
 const uint VERTEX_PARALLEL = 4u;   // parallel light: `position` is the direction there
 const uint VERTEX_DELTA = 8u;      // a bit: the path is scattered there by a delta lobe
 
-struct PathVertex {
-    vec3 position;
-    uint kind;
-    uvec3 detail;      // bits of floats, of an area light: its normal. Of a surface: the instance, and bits of where on the primitive
-    uint index;        // primitive, or light
-    uvec3 own;         // bits of floats, of an area light: its radiance. Of a surface: the key of its random numbers
-    // Densities, filled in by path_value. That of a delta lobe is 1 times the delta, which cancels wherever it stands.
-    float pdf;         // of going on away from the camera, over solid angle; of the light's vertex: of a light path beginning there
-    float reverse_pdf; // of going on towards the camera, over solid angle; of parallel rays: over area across
-    float arriving;    // |cos| at the normal towards the vertex before, 1 of lights without one; of a light times its opacity
-    float leaving;     // the same towards the next vertex; of an area light: how far off the surface rays begin
-    float nearness;    // 1 over the squared distance from the vertex before (1 of parallel rays) times what is let through in between;
-                       // of the camera's vertex: what the path brings, as path_value has it
-};
-
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PathVertices { PathVertex vertex; };
-
-const uint PATH_VERTEX_BYTES = 76u;
 
 // Where a chain keeps a vertex of one of its two paths.
 PathVertices path_vertex(uint chain, uint slot, uint i) {

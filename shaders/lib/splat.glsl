@@ -13,7 +13,7 @@ uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
 Splat splat_of(uint pixel, uint sample_index, uint layer) {
     uint64_t plane = uint64_t(sample_index - frame.first_sample);
     uint64_t index = (plane * uint64_t(frame.width * frame.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
-    return Splat(unpack32(pack64(frame.splats) + 24ul * index));
+    return Splat(unpack32(pack64(frame.splats) + uint64_t(FIXED_RGB_BYTES) * index));
 }
 
 // Adds what a path of `length` segments brings to a pixel in this sample.

@@ -150,10 +150,6 @@ shared_constants! {
     /// Longest path, in segments, that is made of a part from the light and one from the camera; longer ones come from the camera
     /// alone, so that the vertices of a light path have bounded room.
     pub const BIDIRECTIONAL_LENGTH = 16;
-    /// Bytes of one [`super::LightVertex`].
-    pub const LIGHT_VERTEX_BYTES = 92;
-    /// Bytes of one [`super::Photon`].
-    pub const PHOTON_BYTES = 52;
     /// Photons that are kept of one path; of a longer one they are a random choice.
     pub const PHOTONS_OF_PATH = 8;
     /// Flag on `FrameConstants::round`: light of one more segment is added.
@@ -168,4 +164,10 @@ shared_constants! {
     pub const RAY_BOUNCES = 3;
     /// Bytes of one node of the compressed wide BVH.
     pub const NODE_BYTES = 80;
+    /// Bytes of a `vec3`.
+    pub const VEC3_BYTES = size_of::<super::vec3>() as u32;
+    /// Bytes of a `vec4`.
+    pub const VEC4_BYTES = size_of::<super::vec4>() as u32;
+    /// Bytes of a 64-bit fixed-point sum for each colour channel, as splats and the power that patches shoot have it.
+    pub const FIXED_RGB_BYTES = 3 * size_of::<i64>() as u32;
 }

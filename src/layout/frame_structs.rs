@@ -1,6 +1,6 @@
 //! What a dispatch is given and what it leaves: push constants, the film, and the records of the kernels that tests run.
 
-use super::{Member, SharedStruct, float, uint, uvec2, vec2, vec3, vec4};
+use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
 #[allow(unused_imports)] // named by the documentation
 use super::{constants::*, scene_structs::*};
 
@@ -254,6 +254,33 @@ shared_structs! {
         sum_low: float,
         /// How many they were.
         large_steps: uint,
+    }
+
+    /// A vertex of a path that a chain mutates, from the camera (0) to the light: see `shaders/lib/path_vertices.glsl`.
+    pub struct PathVertex {
+        /// Its position; where the kind is infinitely far, the unit direction there.
+        position: vec3,
+        /// One of the `VERTEX_*` kinds.
+        kind: uint,
+        /// Bits of floats, of an area light: its normal. Of a surface: the instance, and bits of where on the primitive.
+        detail: uvec3,
+        /// Primitive, or light.
+        index: uint,
+        /// Bits of floats, of an area light: its radiance. Of a surface: the key of its random numbers.
+        own: uvec3,
+        /// Density of going on away from the camera, over solid angle; of the light's vertex: of a light path beginning there. This
+        /// and the following members are filled in by `path_value`. The density of a delta lobe is 1 times the delta, which
+        /// cancels wherever it stands.
+        pdf: float,
+        /// Density of going on towards the camera, over solid angle; of parallel rays: over area across.
+        reverse_pdf: float,
+        /// |cos| at the normal towards the vertex before, 1 of lights without one; of a light times its opacity.
+        arriving: float,
+        /// |cos| at the normal towards the next vertex; of an area light: how far off the surface rays begin.
+        leaving: float,
+        /// 1 over the squared distance from the vertex before (1 of parallel rays) times what is let through in between; of the
+        /// camera's vertex: the path's contribution, as `path_value` has it.
+        nearness: float,
     }
 
     /// A sample that was not finite: where it was.

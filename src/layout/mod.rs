@@ -72,11 +72,24 @@ pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
 /// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
 pub const INLINE_FIRST_ID: u32 = 100;
 
-/// The text of `generated/layout.glsl`.
+/// `LightVertex` as `LIGHT_VERTEX`.
+fn upper_case(name: &str) -> String {
+    let word = |(index, letter): (usize, char)| {
+        let gap = if index > 0 && letter.is_uppercase() { "_" } else { "" };
+        format!("{gap}{}", letter.to_ascii_uppercase())
+    };
+    name.chars().enumerate().map(word).collect()
+}
+
+/// The text of `generated/layout.glsl`. Beside what is declared here it has `<STRUCT>_BYTES` for each shared struct: the bytes of one
+/// element of an array of it.
 pub fn glsl() -> String {
     let mut text = String::from("// Generated from src/layout/.\n\n");
     for constant in CONSTANTS {
         text += &format!("const uint {} = {}u;\n", constant.name, constant.value);
+    }
+    for shared in structs() {
+        text += &format!("const uint {}_BYTES = {}u;\n", upper_case(shared.name), shared.size);
     }
     text.push('\n');
     for constant in SPECIALISATION {

@@ -16,7 +16,9 @@ use super::state::State;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Kept;
-use crate::layout::{BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, WORKGROUP, address};
+use crate::layout::{
+    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address,
+};
 use crate::metrics::stats::Estimate;
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
@@ -26,10 +28,8 @@ const FIRST_BLOCKS: u64 = 2;
 const VERTEX_BLOCKS: u64 = 2;
 /// The most vertices of a part of a path whose numbers are kept: those of later ones are drawn anew by each proposal.
 const MOST_VERTICES: u64 = 24;
-/// The longest paths of chains that keep vertices, in segments, and the bytes of a vertex (`PATH_VERTEX_BYTES` in
-/// `shaders/lib/path_vertices.glsl`). Chains keep two paths: the current one and the proposal.
+/// The longest paths of chains that keep vertices, in segments. Chains keep two paths: the current one and the proposal.
 const MOST_SEGMENTS: u64 = 32;
-const VERTEX_BYTES: u64 = 76;
 /// Paths that a frame of candidates has room for at least, where it needs any: few chains are no reason to keep a device idle.
 const LEAST_ROOM: u64 = 1024;
 /// Of large steps, the share that goes to kinds whatever these bring; candidates have no other.
@@ -117,11 +117,12 @@ impl ChainSize {
     }
 
     fn number_bytes_of_chain(&self) -> u64 {
-        16 * (self.camera_blocks + self.light_blocks) + VERTEX_BYTES * self.vertices
+        let blocks = self.camera_blocks + self.light_blocks;
+        u64::from(VEC4_BYTES) * blocks + size_of::<PathVertex>() as u64 * self.vertices
     }
 
     fn value_bytes_of_chain(&self) -> u64 {
-        12 * self.layers
+        u64::from(VEC3_BYTES) * self.layers
     }
 
     /// Bytes of the chains with what their paths bring, of their numbers, and of the candidates.

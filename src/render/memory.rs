@@ -15,13 +15,13 @@ use crate::gpu::accel::{self, BuildSizes};
 use crate::integrator::Kept;
 use crate::layout::{
     self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
-    UNIFORM_MATERIALS, UNIFORM_SURFACES,
+    UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,
 };
 use crate::scene::patches::Quartered;
 use crate::scene::{Filter, Scene};
 
 /// Bytes of one pixel of one layer by path length: two sums of three floats.
-pub(super) const LAYER_PIXEL_BYTES: u64 = 24;
+pub(super) const LAYER_PIXEL_BYTES: u64 = 2 * VEC3_BYTES as u64;
 /// Bytes of the counters that the host reads after each frame.
 pub(super) const TALLY_BYTES: u64 = 4 * (1 + 2 * BAD_SAMPLES as u64 + RAY_COUNTERS as u64);
 /// The most instances whose index fits into the 24 bits that a driver's instance has for it.

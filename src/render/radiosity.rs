@@ -12,7 +12,9 @@ use super::state::State;
 use super::upload::Uploaded;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, WORKGROUP, address};
+use crate::layout::{
+    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES, WORKGROUP, address,
+};
 use crate::scene::Scene;
 use crate::scene::light::triangle_area;
 use crate::scene::patches::{PatchMesh, Quartered};
@@ -78,15 +80,23 @@ pub(super) fn sizes(mesh: &PatchMesh, scene: &Scene, settings: &Settings) -> [(&
     ];
     [
         ("patches", lists.into_iter().map(|bytes| bytes.max(4)).sum()),
-        ("light of patches", (patches * 12 * (1 + 2 * layers + 2)).max(12) + (vertices * 12 * layers).max(4)),
+        (
+            "light of patches",
+            light_bytes(patches * (1 + 2 * layers + 2)).max(light_bytes(1)) + light_bytes(vertices * layers).max(4),
+        ),
         ("arriving at patches", arriving_bytes(settings, patches).max(4)),
         ("counts of patches", (patches * 4 * u64::from(mesh.columns())).max(4)),
     ]
 }
 
+/// Bytes of so many values of irradiance.
+fn light_bytes(count: u64) -> u64 {
+    count * u64::from(VEC3_BYTES)
+}
+
 /// Bytes of what rays bring: three sums, and three integers for each patch and layer.
 fn arriving_bytes(settings: &Settings, patches: u64) -> u64 {
-    if shoots(settings) { 24 + 24 * patches * u64::from(layers(settings).0) } else { 0 }
+    if shoots(settings) { u64::from(FIXED_RGB_BYTES) * (1 + patches * u64::from(layers(settings).0)) } else { 0 }
 }
 
 /// What the next frame of the patches does.
@@ -183,7 +193,7 @@ impl Radiosity {
             kept.push(buffer);
             Ok(place)
         };
-        let light = |count: u64| Buffer::zeroed(gpu, "light of patches", count * 12);
+        let light = |count: u64| Buffer::zeroed(gpu, "light of patches", light_bytes(count));
         let (albedo, received) = (light(patches)?, light(2 * patches * u64::from(layers))?);
         let (newest, at_vertices) = (light(2 * patches)?, light(vertices * u64::from(layers))?);
         let columns = mesh.columns();

@@ -7,7 +7,7 @@ use super::state::State;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::Kept;
-use crate::layout::{BIDIRECTIONAL_LENGTH, GridCell, LIGHT_VERTEX_BYTES, LightVertex, PHOTON_BYTES, Photon, WORKGROUP};
+use crate::layout::{BIDIRECTIONAL_LENGTH, FIXED_RGB_BYTES, GridCell, LightVertex, WORKGROUP};
 
 /// Bytes of splats that more than one sample per frame may take.
 const SPLAT_BYTES: u64 = 64 << 20;
@@ -19,11 +19,6 @@ const CELLS_OF_PATH: u64 = 2;
 const PLACE_BYTES: u64 = 4;
 /// The most samples of a frame: more planes than this save no time.
 const MOST_PLANES: u64 = 64;
-/// Bytes of one pixel of one layer of a plane: three 64-bit integers.
-const SPLAT_PIXEL_BYTES: u64 = 24;
-
-const _: () = assert!(size_of::<LightVertex>() == LIGHT_VERTEX_BYTES as usize);
-const _: () = assert!(size_of::<Photon>() == PHOTON_BYTES as usize);
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +48,7 @@ impl ScratchSize {
     pub fn of(settings: &Settings) -> Self {
         let row = settings.technique.row;
         let pixels = u64::from(settings.width) * u64::from(settings.height);
-        let plane = pixels * u64::from(settings.layers().max(1)) * SPLAT_PIXEL_BYTES;
+        let plane = pixels * u64::from(settings.layers().max(1)) * u64::from(FIXED_RGB_BYTES);
         let has_grid = matches!(row.kept, Kept::Grid(..));
         let planes = match (row.splats, has_grid) {
             (false, _) => 0,
@@ -62,7 +57,7 @@ impl ScratchSize {
         };
         let (vertex, vertices) = match row.kept {
             Kept::Nothing | Kept::Chains | Kept::Patches => (0, 0),
-            Kept::Paths => (LIGHT_VERTEX_BYTES, connected(settings.max_depth)),
+            Kept::Paths => (size_of::<LightVertex>() as u32, connected(settings.max_depth)),
             Kept::Grid(bytes, most) => (bytes, most.min(gathered(settings.max_depth))),
         };
         let path = 4 + u64::from(vertices) * u64::from(vertex);
