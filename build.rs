@@ -12,9 +12,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 #[allow(dead_code)]
-#[path = "src/backend.rs"]
-mod backend;
-#[allow(dead_code)]
 #[path = "src/integrator.rs"]
 mod integrator;
 #[allow(dead_code, unused_imports)]
@@ -31,7 +28,7 @@ struct Variant {
     /// Path below `shaders/`.
     file: String,
     /// What `#include "trace/backend.glsl"` stands for.
-    backend: &'static backend::BackendRow,
+    backend: &'static layout::backend::BackendRow,
     /// A macro that is defined as 1.
     define: Option<String>,
 }
@@ -46,7 +43,7 @@ fn files_in(folder: &str) -> Vec<String> {
 
 fn variants() -> Vec<Variant> {
     let mut all = Vec::new();
-    for backend in backend::BACKENDS {
+    for backend in layout::backend::BACKENDS {
         for row in integrator::INTEGRATORS {
             for pass in row.passes {
                 all.push(Variant {
@@ -76,7 +73,7 @@ fn variants() -> Vec<Variant> {
 }
 
 /// The text that `#include "name"` stands for.
-fn resolve(name: &str, generated: &Path, backend: &backend::BackendRow) -> Result<(String, String), String> {
+fn resolve(name: &str, generated: &Path, backend: &layout::backend::BackendRow) -> Result<(String, String), String> {
     let (shown, path) = match name.strip_prefix("generated/") {
         Some(file) => (name.to_owned(), generated.join(file)),
         None if name == "trace/backend.glsl" => {
@@ -201,7 +198,7 @@ fn run() -> Result<(), String> {
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));
-    for source in ["build.rs", "src/backend.rs", "src/integrator.rs", "src/layout", "src/spirv"] {
+    for source in ["build.rs", "src/integrator.rs", "src/layout", "src/spirv"] {
         println!("cargo:rerun-if-changed={source}");
     }
 

@@ -8,8 +8,8 @@
 
 use std::path::Path;
 
-use lumbre::backend::Backend;
 use lumbre::gpu::DeviceKind;
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Settings, Technique, modules_of};
 use lumbre::scene::{self, LoadOptions};
 use lumbre::spirv::Arithmetic;

@@ -414,7 +414,7 @@ FAULTS = [
     Fault("mip-odd-sides", "src/scene/mip_maps.rs",
           "*share > 1e-9", "*share > 0.2",
           "levels of odd sides leave out parts of texels", ["mip_maps::levels_are_the_means"]),
-    Fault("srgb-decoding", "src/output.rs",
+    Fault("srgb-decoding", "src/image/srgb.rs",
           "((encoded + 0.055) / 1.055).powf(2.4)", "((encoded + 0.055) / 1.055).powf(2.35)",
           "sRGB is decoded by a slightly lower power", ["mip_maps::levels_are_the_means", "gltf::textures_are_upright"]),
 
@@ -489,22 +489,22 @@ FAULTS = [
           RUNS + "a file takes its place before it is synced"),
 
     # Output
-    Fault("exr-half", "src/output.rs",
+    Fault("exr-half", "src/image/exr.rs",
           "map(|pixel| pixel[index]).collect();", "map(|pixel| f32::from_bits(pixel[index].to_bits() & 0xffff_e000)).collect();",
           "EXR files have the digits of half precision", [ROWS],
           VERIFY + "EXR files of half precision"),
-    Fault("png-power", "src/output.rs",
+    Fault("png-power", "src/image/srgb.rs",
           "c.powf(1.0 / 2.4)", "c.powf(1.0 / 2.3)",
           "PNG files are encoded by a slightly higher power", ["mip_maps::levels_are_the_means"]),
 
     # Statistics
-    Fault("sample-variance", "src/film.rs",
+    Fault("sample-variance", "src/render/film.rs",
           "((squares - sum * sum / n) / (n - 1.0))", "(0.85 * (squares - sum * sum / n) / (n - 1.0))",
           "the variance of samples is 15 % low", ["error_target::the_error_is_what_was_asked_for"]),
-    Fault("sidak", "src/metrics/stats.rs",
+    Fault("sidak", "src/statistics/significance.rs",
           "powf(1.0 / count.max(1) as f64)", "powf(1.0 / (count.max(1) + 10) as f64)",
           "the correction for many tests is too strict", ["lib:sidak_of_one_test"]),
-    Fault("relmse", "src/metrics/mod.rs",
+    Fault("relmse", "src/image/metrics/mod.rs",
           "difference * difference / (b * b + RELATIVE_FLOOR)", "difference * difference / (a * a + RELATIVE_FLOOR)",
           "relMSE is relative to the image instead of the reference", ["lib:figures_by_hand"]),
     Fault("verdict-nan", "src/verify/figure.rs",
@@ -548,9 +548,9 @@ FAULTS = [
           "(weights[0] * weights[1]).sqrt()", "0.8 * (weights[0] * weights[1]).sqrt()", "a reference's noise a fifth too small", ["lib:reference::series"]),
     Fault("reference-schedule", "src/render/merge_radius.rs",
           "sample.saturating_mul(stride)", "sample", "several renderings blur as much as one short one", ["lib:render::merge_radius"]),
-    Fault("bench-own-noise", "src/metrics/pixels.rs",
+    Fault("bench-own-noise", "src/image/metrics/pixels.rs",
           "zip(&noise).map(|(error, noise)| error - noise)", "zip(&noise).map(|(error, noise)| error - 0.5 * noise)",
-          "half of the reference's noise stays in the relMSE of parts", ["lib:metrics::pixels"]),
+          "half of the reference's noise stays in the relMSE of parts", ["lib:image::metrics::pixels"]),
     Fault("fingerprint-sky", "src/scene/fingerprint.rs",
           "bits(from_world, hasher);", "let _ = from_world;", "a sky that was turned is the same scene", ["lib:scene::fingerprint"]),
 ]

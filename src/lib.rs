@@ -1,15 +1,15 @@
 //! lumbre: a light-transport laboratory on raw Vulkan.
 //!
 //! One program, and this library under it, renders a scene with any technique of its [table](integrator::INTEGRATORS) on
-//! any Vulkan 1.3 device, through [ray queries or a compute BVH](backend::BACKENDS), and says how long it took and how
+//! any Vulkan 1.3 device, through [ray queries or a compute BVH](layout::backend::BACKENDS), and says how long it took and how
 //! noisy the result is.
 //!
 //! Data flows one way: a scene file becomes a [`scene::Scene`], what it uses becomes [`scene::Needs`], both go to the
-//! device as a [`render::Renderer`], whose samples come back as a [`film::Film`] and leave through [`output`].
+//! device as a [`render::Renderer`], whose samples come back as a [`render::film::Film`] and leave through [`image`].
 //!
 //! ```
 //! use glam::DVec3;
-//! use lumbre::backend::Backend;
+//! use lumbre::layout::backend::Backend;
 //! use lumbre::gpu::{Gpu, Instance};
 //! use lumbre::render::{Settings, Technique, render};
 //! use lumbre::scene::{Camera, SceneBuilder, SurfaceDescription};
@@ -36,20 +36,16 @@
 //! # }
 //! ```
 
-pub mod backend;
 pub mod bench;
 pub mod bvh;
 pub mod checkpoint;
 pub mod error;
-mod file_lock;
-pub mod film;
+pub mod files;
 pub mod gpu;
-pub mod input;
+pub mod image;
 pub mod integrator;
 pub mod layout;
 pub mod lecture;
-pub mod metrics;
-pub mod output;
 pub mod rays;
 pub mod reference;
 pub mod render;
@@ -57,6 +53,7 @@ pub mod report;
 pub mod sampler;
 pub mod scene;
 pub mod spirv;
+pub mod statistics;
 pub mod strategies;
 pub mod verify;
 

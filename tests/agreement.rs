@@ -3,11 +3,11 @@
 //! A new row of the table is enrolled by itself, through what it solves and its bias.
 
 use crate::common::{assert_same_mean, average, backends, backends_in_time, canon, render, settings, truth, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Film;
 use lumbre::gpu::Gpu;
+use lumbre::image::metrics::compare;
 use lumbre::integrator::{Bias, INTEGRATORS, Solves};
-use lumbre::metrics::compare;
+use lumbre::layout::backend::Backend;
+use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::sampler::Sampler;
 use lumbre::scene::Scene;

@@ -7,8 +7,8 @@ use std::rc::Rc;
 use lumbre::bench::results::{Figure, HEAVY_TAIL, Setup, VariantResults};
 use lumbre::bench::{Bench, Limits, Snapshot, Stop, Subject, Truth, Variant};
 use lumbre::error::{Error, Result};
-use lumbre::film::Image;
-use lumbre::metrics::intervals::squared_bias;
+use lumbre::image::Image;
+use lumbre::image::metrics::squared_bias;
 
 const SIDE: u32 = 24;
 /// What a firefly brings to its pixel.

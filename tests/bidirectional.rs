@@ -3,8 +3,8 @@
 use crate::common::room::{LAMP, material_pairs, room, scene};
 use crate::common::{assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
 use glam::DVec3;
-use lumbre::backend::Backend;
 use lumbre::layout::Layered;
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Settings, Technique};
 use lumbre::scene::material::{layered, plain_layers};
 use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription};

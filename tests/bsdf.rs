@@ -3,8 +3,8 @@
 use crate::common::sampling::{Findings, Rings, chi_square_z, direction, numbers, spread, with_materials};
 use crate::common::{settings, with_gpu};
 use glam::DVec3;
-use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Material, Principled};
 use lumbre::render::Probe;
 use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};

@@ -2,7 +2,7 @@
 
 use crate::common::room::scene;
 use crate::common::{backends, backends_in_time, settings, with_gpu};
-use lumbre::film::Image;
+use lumbre::image::Image;
 use lumbre::render::{Settings, render};
 use lumbre::scene::Scene;
 

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use crate::common::program::{fails, render, works};
 use crate::common::{canon, has_time, settings, with_gpu};
-use lumbre::backend::Backend;
 use lumbre::checkpoint::{Checkpoints, Header, Identity};
-use lumbre::film::Film;
 use lumbre::gpu::Gpu;
 use lumbre::integrator::INTEGRATORS;
+use lumbre::layout::backend::Backend;
+use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, State};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{Filter, LoadOptions, Scene};

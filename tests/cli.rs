@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use lumbre::input::read_image;
+use lumbre::image::read_image;
 
 /// The program on the tests' device (`LUMBRE_TEST_DEVICE`), if one is named.
 fn program(folder: &Path, args: &[&str]) -> Command {
@@ -255,7 +255,7 @@ fn list_devices_and_info_describe() {
     }
     assert!(works(folder.path(), &["devices"]).contains("bvh"));
     let devices: serde_json::Value = serde_json::from_str(&works(folder.path(), &["devices", "--json"])).unwrap();
-    assert_eq!(devices[0]["backends"].as_array().unwrap().len(), lumbre::backend::BACKENDS.len());
+    assert_eq!(devices[0]["backends"].as_array().unwrap().len(), lumbre::layout::backend::BACKENDS.len());
     let info = works(folder.path(), &["info", &scene("cornell_spheres.xml")]);
     assert!(info.contains("2 spheres") && info.contains("dielectric"), "{info}");
 }

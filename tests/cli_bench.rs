@@ -150,9 +150,9 @@ fn bad_benches_are_refused_before_anything_is_rendered() {
     bench(&["--reference", "a.exr", "--reference", "b.exr"], 2, &["2 references for 1 scenes"]);
     let image = |name: &str, width: u32, value: f32| {
         let pixels = vec![[value; 3]; (width * 16) as usize];
-        let image = lumbre::film::Image { width, height: 16, pixels };
-        let picture = lumbre::output::Picture { image, layers: Vec::new(), header: Vec::new() };
-        lumbre::output::write_picture(&here.join(name), &picture).unwrap();
+        let image = lumbre::image::Image { width, height: 16, pixels };
+        let picture = lumbre::image::Picture { image, layers: Vec::new(), header: Vec::new() };
+        lumbre::image::write_picture(&here.join(name), &picture).unwrap();
     };
     image("wide.exr", 20, 1.0);
     bench(&["--reference", "wide.exr"], 2, &["wide.exr", "20x16", "16x16"]);

@@ -1,9 +1,9 @@
 //! `render -e`: how often the error is what the rendering said when it stopped.
 
 use crate::common::{canon, render, settings, with_gpu};
-use lumbre::backend::Backend;
 use lumbre::bench::Truth;
-use lumbre::metrics::compare;
+use lumbre::image::metrics::compare;
+use lumbre::layout::backend::Backend;
 use lumbre::render::{ErrorTarget, Renderer};
 
 /// Twenty renderings stop at a relMSE; the true one, against a reference whose own noise is taken off, lies within 15 % of it.

@@ -6,7 +6,7 @@ use std::process::{Child, Command};
 use std::time::Duration;
 
 use crate::common::program::{errors, fails, files, render, signal, start, wait_for, works};
-use lumbre::input::read_image;
+use lumbre::image::read_image;
 
 /// From now on the process may write no file beyond so many bytes: to it the disk is full. (The limit cannot be there from the beginning:
 /// lavapipe's memory is a file, too.)

@@ -7,9 +7,9 @@ use crate::common::gltf::{
     sun, textured, with,
 };
 use crate::common::{assert_mean, backends, render, settings, tile_average, with_gpu};
-use lumbre::film::Film;
-use lumbre::metrics::stats::Estimate;
+use lumbre::render::film::Film;
 use lumbre::scene::Scene;
+use lumbre::statistics::Estimate;
 use serde_json::{Value, json};
 
 /// An emitting square behind z = 0 that fills the picture.

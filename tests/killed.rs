@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::has_time;
 use crate::common::program::{errors, figures, files, render, signal, start, wait_for, works};
-use lumbre::input::read_image;
-use lumbre::output::replace_file;
+use lumbre::files::replace_file;
+use lumbre::image::read_image;
 
 /// Kills of each case: sixty in all where there is time, twenty-four where there is not.
 fn kills_of_each() -> u32 {

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use crate::common::sampling::{Findings, numbers};
 use crate::common::{assert_same_mean, backends, canon, render, scene_path, settings, with_gpu};
 use glam::{DAffine3, DVec3};
-use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{LightAnswer, LightQuery};
-use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
 use lumbre::render::Probe;
 use lumbre::scene::light::{Falloff, Lamp};
 use lumbre::scene::{LightSelection, LoadOptions, Mesh, Scene, SceneBuilder, SurfaceDescription, load};
+use lumbre::statistics::{Estimate, sidak, two_sided_p};
 
 /// A light whose irradiance the host knows, occlusion aside.
 #[derive(Clone, Copy)]
@@ -285,7 +285,7 @@ fn tree_and_power_agree() {
         for backend in backends(gpu) {
             let found = render(gpu, &tree, &settings(&tree, "direct:sampling=emitter", backend), 32);
             assert_same_mean(&format!("emitter samples on {}", backend.name()), &found, &truth, 16);
-            let variance = |film: &lumbre::film::Film, spp: f64| {
+            let variance = |film: &lumbre::render::film::Film, spp: f64| {
                 let mut all: Vec<f32> = film.mean_variance().pixels.iter().flatten().copied().collect();
                 all.sort_by(f32::total_cmp);
                 f64::from(all[all.len() / 2]) * spp

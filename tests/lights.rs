@@ -5,12 +5,13 @@ use std::f64::consts::{PI, TAU};
 use crate::common::sampling::{Findings, Rings, chi_square_z, numbers, spread};
 use crate::common::{settings, with_gpu};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2};
-use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
+use lumbre::image::{Texels, TextureImage};
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{LightAnswer, LightQuery};
 use lumbre::render::Probe;
 use lumbre::scene::light::{Falloff, Lamp};
-use lumbre::scene::texture::{Pattern, Texels, TextureDescription, TextureImage, Wrap};
+use lumbre::scene::texture::{Pattern, TextureDescription, Wrap};
 use lumbre::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
 
 /// An image, as the host looks it up: bilinear, repeated across and, unless `clamp`, down.

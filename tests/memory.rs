@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::{backends, canon, has_time, settings, with_gpu};
 use glam::{DAffine3, DVec3};
-use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Building, Prediction, Probe, Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Mesh, Scene, SceneBuilder};
 use lumbre::strategies::Strategies;

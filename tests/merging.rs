@@ -3,11 +3,11 @@
 
 use crate::common::room::{LAMP, material_pairs, room, scene};
 use crate::common::{average, canon, has_time, render, settings, truth, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Film;
 use lumbre::gpu::Gpu;
+use lumbre::image::metrics::compare;
 use lumbre::integrator::{Bias, find};
-use lumbre::metrics::compare;
+use lumbre::layout::backend::Backend;
+use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 

@@ -1,8 +1,7 @@
 //! FLIP against NVIDIA's own implementation.
 
-use lumbre::film::Image;
-use lumbre::metrics::flip_map;
-use lumbre::output::srgb_to_linear;
+use lumbre::image::metrics::flip_map;
+use lumbre::image::{Image, srgb_to_linear};
 
 /// A picture of 8-bit sRGB values with edges, gradients and noise.
 fn picture(width: u32, height: u32, seed: u32) -> Vec<u8> {

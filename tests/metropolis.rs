@@ -7,11 +7,11 @@ use crate::common::{
     LargestZ, assert_same_mean, canon, films, has_time, largest_z, render, settings, tile_average, truth, verify,
     with_gpu,
 };
-use lumbre::backend::Backend;
-use lumbre::film::Film;
-use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
+use lumbre::layout::backend::Backend;
+use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
+use lumbre::statistics::{Estimate, sidak, two_sided_p};
 
 /// With as few candidates as what is easy to find needs.
 const FORMS: [&str; 3] =

@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use crate::common::{backends, render, settings, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Film;
+use lumbre::image::{Texels, TextureImage, srgb_byte, srgb_to_linear};
 use lumbre::layout::FILTER_NEAREST_BIT;
-use lumbre::output::{srgb_byte, srgb_to_linear};
+use lumbre::layout::backend::Backend;
 use lumbre::render::Settings;
+use lumbre::render::film::Film;
 use lumbre::scene::mip_maps::{append_levels, level_count};
-use lumbre::scene::texture::{Texels, TextureImage};
 use lumbre::scene::{LoadOptions, Needs, Scene};
 
 /// A number in 0..256 without a pattern.

@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 
 use lumbre::bench::results::Run;
 use lumbre::bench::{Bench, Limits, Peer, SceneRequest, Stop, Truth, Variant};
-use lumbre::film::Image;
-use lumbre::output::{Picture, write_picture};
+use lumbre::image::{Image, Picture, write_picture};
 
 const SIDE: u32 = 16;
 

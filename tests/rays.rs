@@ -3,9 +3,9 @@
 use crate::common::sampling::spread;
 use crate::common::{backends, canon, settings, with_gpu};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use lumbre::backend::Backend;
 use lumbre::bvh::{Bvh, CELL_MARGIN};
 use lumbre::gpu::Gpu;
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{NODE_BYTES, Primitive, RayRecord, TraversalCount};
 use lumbre::rays::{RayKind, make, measure, shuffle};
 use lumbre::render::{Probe, Settings};

@@ -1,8 +1,8 @@
 //! The rendering equation evaluated as it recurses, against the loop that comes of it.
 
 use crate::common::{backends_in_time, canon, render, settings, with_gpu};
-use lumbre::film::Film;
 use lumbre::render::Settings;
+use lumbre::render::film::Film;
 use lumbre::scene::Scene;
 
 /// Scenes with glass, textures of light from everywhere, lights of every size, and paths of a hundred segments and more; and the segments

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::common::{backends, has_time, render, settings, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Film;
-use lumbre::metrics::stats::{sidak, two_sided_p};
+use lumbre::layout::backend::Backend;
+use lumbre::render::film::Film;
 use lumbre::scene::{LoadOptions, Scene, load};
+use lumbre::statistics::{sidak, two_sided_p};
 
 /// Samples per pixel here. The references have 16 times as many, so the noise of the comparison is ours.
 const SPP: u32 = 512;

@@ -12,9 +12,9 @@ use lumbre::bench::results::{
     Cell, CurvePoint, Device, Figure, Floor, Pair, Point, Ratio, Reference, Results, Row, Run, SCHEMA, SceneResults,
     Setup, VariantResults,
 };
-use lumbre::metrics::intervals::Interval;
 use lumbre::reference::{self, Certificate, Difference, Maker, OwnError, Pilot, Witness};
 use lumbre::report::{CSV_COLUMNS, write};
+use lumbre::statistics::Interval;
 
 /// Names that break a page or a table which does not escape them.
 const VARIANTS: [&str; 3] = [

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::common::{settings, with_gpu};
-use lumbre::backend::Backend;
 use lumbre::gpu::Buffer;
+use lumbre::layout::backend::Backend;
 use lumbre::scene::{LoadOptions, Scene};
 
 fn load(folder: &Path, name: &str) -> lumbre::Result<Scene> {

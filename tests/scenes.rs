@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::common::{assert_mean, average, backends, backends_in_time, canon, render, settings, with_gpu};
 use glam::DVec3;
-use lumbre::backend::Backend;
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{MATERIAL_DIELECTRIC, NONE, SMOOTH_BIT, SPHERE_BIT};
 use lumbre::scene::{Filter, LoadOptions, Needs, Scene};
 

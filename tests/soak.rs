@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use crate::common::alone::alone;
 use crate::common::{backends, canon, settings, with_gpu};
-use lumbre::backend::Backend;
 use lumbre::error::Error;
 use lumbre::integrator::{INTEGRATORS, Kept};
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Renderer, Settings, State};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::strategies::Strategies;

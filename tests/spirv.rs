@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::mutation::Mutator;
 use crate::common::{backends, canon, has_time, render, settings, with_gpu};
-use lumbre::backend::Backend;
 use lumbre::gpu;
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{CAMERA_ORTHOGRAPHIC, FILTER_MITCHELL, INLINE_FIRST_ID, INLINE_MAX, SPECIALISATION};
 use lumbre::render::Settings;
 use lumbre::spirv::{Arithmetic, Specialised, specialise};

@@ -2,12 +2,12 @@
 
 use crate::common::room::{LAMP, room, scene};
 use crate::common::{backends_in_time, canon, films, settings, verify, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Film;
 use lumbre::gpu::Gpu;
-use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
+use lumbre::layout::backend::Backend;
 use lumbre::render::Settings;
+use lumbre::render::film::Film;
 use lumbre::scene::Scene;
+use lumbre::statistics::{Estimate, sidak, two_sided_p};
 use lumbre::strategies::Strategies;
 
 const LONGEST: u32 = 4;

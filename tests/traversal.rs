@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::{settings, with_gpu};
 use glam::DVec3;
-use lumbre::backend::Backend;
 use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
+use lumbre::layout::backend::Backend;
 use lumbre::layout::{HitRecord, Primitive, RayRecord};
 use lumbre::render::{Probe, Settings};
 

@@ -1,8 +1,8 @@
 //! Recursive ray tracing: what it accounts for, that branching changes no mean, and its two kinds of lights.
 
 use crate::common::{assert_same_mean, backends_in_time, render, room, settings, with_gpu};
-use lumbre::film::Film;
 use lumbre::render::Settings;
+use lumbre::render::film::Film;
 use lumbre::scene::Scene;
 
 /// Where everything that scatters does so this weakly, light that was scattered twice is lost in the noise.

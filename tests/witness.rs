@@ -4,10 +4,10 @@ use std::io::{BufRead, BufReader};
 
 use crate::common::program::{errors, fails, lumbre, signal, start, works};
 use crate::common::{canon, scene_path, settings, with_gpu};
-use lumbre::backend::Backend;
-use lumbre::film::Image;
 use lumbre::gpu::Gpu;
+use lumbre::image::Image;
 use lumbre::integrator::Solves;
+use lumbre::layout::backend::Backend;
 use lumbre::reference::{
     Budget, Certificate, Kinds, Request, Series, Tile, TileMean, Truth, Witness, candidates, hold_against, make, read,
     write,
@@ -188,7 +188,7 @@ fn a_reference_knows_what_it_is() {
         assert!(back.difference_map.is_some());
         // Two of other seeds are as far apart as they say.
         let other = make(&Request { seed: 1, ..request }, &mut |_| Ok(())).unwrap();
-        let apart = lumbre::metrics::compare(&other.image, &truth.image).unwrap().relmse;
+        let apart = lumbre::image::metrics::compare(&other.image, &truth.image).unwrap().relmse;
         let expected = own + other.relmse().unwrap();
         assert!((0.6..1.6).contains(&(apart / expected)), "{apart} against {expected}");
     });
@@ -232,10 +232,10 @@ fn references_on_the_command_line() {
     assert!(reference.seconds < 0.5, "it was checked already: {} s", reference.seconds);
 
     // What somebody darkened is found, and says where.
-    let mut image: Image = lumbre::input::read_image(&here.join("a.exr")).unwrap();
+    let mut image: Image = lumbre::image::read_image(&here.join("a.exr")).unwrap();
     image.pixels[..24 * 12].iter_mut().flatten().for_each(|value| *value *= 0.5);
-    let picture = lumbre::output::Picture { image, layers: Vec::new(), header: Vec::new() };
-    lumbre::output::write_picture(&here.join("dark.exr"), &picture).unwrap();
+    let picture = lumbre::image::Picture { image, layers: Vec::new(), header: Vec::new() };
+    lumbre::image::write_picture(&here.join("dark.exr"), &picture).unwrap();
     let said = fails(command(&["--check", "dark.exr", "-t", "1"]), 1);
     assert!(said.contains("dark.exr and ") && said.contains("tile ("), "{said}");
 

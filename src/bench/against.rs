@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::results::{Point, Results, Run, VariantResults};
-use crate::metrics::intervals::{CONFIDENCE, Interval, SIGNIFICANCE};
+use crate::statistics::{CONFIDENCE, Interval, SIGNIFICANCE};
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -3,8 +3,8 @@
 use super::results::Point;
 use super::subject::Snapshot;
 use crate::error::Result;
-use crate::metrics::compare;
-use crate::metrics::pixels::pixel_errors;
+use crate::image::metrics::compare;
+use crate::image::metrics::pixels::pixel_errors;
 use crate::reference::Truth;
 
 impl Truth {

@@ -31,7 +31,7 @@ use super::results::Setup;
 use super::run::Variant;
 use super::subject::{Snapshot, Stop, Subject};
 use crate::error::{Error, Result};
-use crate::input::read_image;
+use crate::image::read_image;
 
 /// The longest answer that is read, in bytes: whatever a peer prints, it must not fill the memory.
 const LONGEST_ANSWER: u64 = 1 << 20;

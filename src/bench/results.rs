@@ -7,9 +7,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::metrics::intervals::Interval;
-pub use crate::metrics::pixels::HEAVY_TAIL;
+pub use crate::image::metrics::pixels::HEAVY_TAIL;
 use crate::reference::Certificate;
+use crate::statistics::Interval;
 
 /// The name and version of the schema.
 pub const SCHEMA: &str = "lumbre-bench-2";

@@ -4,9 +4,8 @@ use super::results::{Cell, Point, Row, Run};
 use super::run::{Bench, Variant};
 use super::subject::Stop;
 use crate::error::Result;
-use crate::film::Image;
-use crate::metrics::{heat_map, heat_scale};
-use crate::output::{Picture, write_picture};
+use crate::image::metrics::{heat_map, heat_scale};
+use crate::image::{Image, Picture, write_picture};
 use crate::reference::Truth;
 
 /// A crop is this part of the image's width and height ...

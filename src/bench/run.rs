@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::results::Run;
 use super::subject::{Snapshot, Stop, Subject};
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::output::{Picture, replace_file, write_picture};
+use crate::files::replace_file;
+use crate::image::{Image, Picture, write_picture};
 use crate::reference::Truth;
 
 /// Samples of the run that warms a variant up and is not measured.
@@ -147,6 +147,6 @@ impl Bench<'_> {
 
     /// The image at the end of a run.
     pub(super) fn image(&self, run: &Run) -> Result<Image> {
-        crate::input::read_image(&self.folder.join(&run.image))
+        crate::image::read_image(&self.folder.join(&run.image))
     }
 }

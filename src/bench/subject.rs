@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use super::results::Setup;
 use crate::error::Result;
-use crate::film::Image;
 use crate::gpu::Gpu;
+use crate::image::Image;
 use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
 

@@ -5,8 +5,9 @@ use super::results::{
 };
 use super::run::{Bench, Event, Variant};
 use crate::error::Result;
-use crate::film::Image;
-use crate::metrics::intervals::{CONFIDENCE, Interval, SIGNIFICANCE, log_slope, squared_bias};
+use crate::image::Image;
+use crate::image::metrics::squared_bias;
+use crate::statistics::{CONFIDENCE, Interval, SIGNIFICANCE, log_slope};
 
 /// Deviations by which a squared bias must exceed zero to be called one.
 const FLOOR_DEVIATIONS: f64 = 4.0;

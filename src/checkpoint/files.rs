@@ -8,7 +8,7 @@ use super::format::{self, Header};
 use super::identity::Identity;
 use super::lock::Lock;
 use crate::error::{Error, Result};
-use crate::output::folder_of;
+use crate::files::folder_of;
 use crate::render::Renderer;
 
 /// The checkpoints of one rendering: `FILE`, and as `FILE.previous` the one before it. While one is written it is `FILE.partial`; and
@@ -34,7 +34,7 @@ pub struct Found {
 impl Checkpoints {
     /// Takes hold of `path`. Fails where no file can be made beside it, and where another process has it.
     pub fn open(path: &Path) -> Result<Self> {
-        crate::output::check_writable(path)?;
+        crate::files::check_writable(path)?;
         let lock = Lock::take(beside(path, ".lock"), path)?;
         Ok(Self { path: path.to_owned(), is_good: true, _lock: lock })
     }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::file_lock::{Claim, claim};
+use crate::files::lock::{Claim, claim};
 
 /// Holds a file of its own locked (flock), which the system undoes when the process ends, however it ends; the file goes with the lock.
 pub(super) struct Lock {

@@ -6,9 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use lumbre::error::{Error, Result};
-use lumbre::input::read_image;
-use lumbre::metrics::{Comparison, compare, heat_map, heat_scale, same_size};
-use lumbre::output::{Format, Picture, check_writable, format_of, write_picture};
+use lumbre::files::check_writable;
+use lumbre::image::metrics::{Comparison, compare, heat_map, heat_scale, same_size};
+use lumbre::image::{Format, Picture, format_of, read_image, write_picture};
 use lumbre::reference::{Certificate, Truth, read, read_certificate};
 
 use super::print;

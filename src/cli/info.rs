@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Result};
 use lumbre::gpu::{DeviceKind, Gpu};
 use lumbre::integrator::INTEGRATORS;
+use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::render::{KernelSize, Prediction, Settings, Technique, kernel_sizes};
 use lumbre::scene::Scene;
 

@@ -7,8 +7,8 @@ use std::time::SystemTime;
 use clap::Args;
 
 use lumbre::error::{Error, Result};
+use lumbre::files::check_writable;
 use lumbre::lecture::{Circumstances, Lab, Place, Scale, choose, write};
-use lumbre::output::check_writable;
 
 use super::bench::host;
 use super::render::listen_for_interrupts;

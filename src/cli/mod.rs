@@ -17,9 +17,9 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::{DeviceKind, Gpu, Instance};
+use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
 
 /// A light-transport laboratory on raw Vulkan.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::{Bytes, Error, Result};
+use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::rays::{Measurement, PerRay, measure};
 
 use super::render::{check_json, parse_size, write_json};

@@ -8,8 +8,9 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use lumbre::error::{Error, Result};
+use lumbre::files::check_writable;
+use lumbre::image::{Format, format_of};
 use lumbre::integrator::Solves;
-use lumbre::output::{Format, check_writable, format_of};
 use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
 

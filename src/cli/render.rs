@@ -15,9 +15,10 @@ use clap::Args;
 use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
+use lumbre::files::{check_writable, replace_file};
 use lumbre::gpu::{Gpu, compile_quickly};
+use lumbre::image::{Format, format_of};
 use lumbre::integrator::{Kept, Missing};
-use lumbre::output::{Format, check_writable, format_of, replace_file};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;

@@ -6,9 +6,9 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 
-use lumbre::backend::Backend;
 use lumbre::error::{Error, Result};
-use lumbre::output::check_writable;
+use lumbre::files::check_writable;
+use lumbre::layout::backend::Backend;
 use lumbre::verify::{CASES, Case, Effort, Figure, Outcome, Verdict, backends_of, find, measure_all};
 
 use super::render::write_json;

@@ -11,8 +11,8 @@ use super::fault::Fault;
 use super::frame::Submission;
 use super::instance::{Instance, InstanceShared};
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
-use crate::backend::Backend;
 use crate::error::{Error, Result, one_of};
+use crate::layout::backend::Backend;
 
 /// A device ready for work. Cheap to clone: the clones are one device.
 #[derive(Clone)]

@@ -6,7 +6,7 @@ use ash::{ext, khr, vk};
 use serde::Serialize;
 
 use super::instance::version_text;
-use crate::backend::{BACKENDS, Backend};
+use crate::layout::backend::{BACKENDS, Backend};
 
 /// The kind of hardware behind a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

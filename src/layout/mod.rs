@@ -12,6 +12,7 @@
 
 #[macro_use]
 mod macros;
+pub mod backend;
 mod constants;
 mod frame_structs;
 mod scene_structs;

@@ -18,8 +18,8 @@ use serde_json::Value;
 use super::command::{Scale, Shot, typed};
 use super::run::{Compared, Run};
 use crate::error::{Error, Result};
-use crate::input::read_image;
-use crate::output::replace_file;
+use crate::files::replace_file;
+use crate::image::read_image;
 use crate::render::kernels_fingerprint;
 use crate::scene::{self, LoadOptions};
 

@@ -15,8 +15,8 @@ mod view;
 
 use crate::bench::results::Device;
 use crate::error::{Error, Result, one_of};
+use crate::files::replace_file;
 use crate::integrator;
-use crate::output::replace_file;
 
 pub use chapters::CHAPTERS;
 pub use command::Scale;

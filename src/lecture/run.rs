@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::input::read_layer;
-use crate::metrics::stats::Estimate;
+use crate::image::{Image, read_layer};
+use crate::statistics::Estimate;
 
 /// A rendering that is done.
 #[derive(Debug)]

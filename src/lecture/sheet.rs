@@ -3,13 +3,12 @@
 use super::math;
 use super::text::{Text, text};
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::metrics::intervals::Interval;
-use crate::output::png_of;
+use crate::image::{Image, png_of};
 use crate::report::chart::{Chart, Guide, Series, Spot, Through, describe, key};
 use crate::report::html::escape;
 use crate::report::number::figure;
 use crate::report::pictures::Pictures;
+use crate::statistics::Interval;
 
 /// A picture with what stands above and below it.
 pub struct Cell {

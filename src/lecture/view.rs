@@ -1,7 +1,7 @@
 //! Pictures as the page shows them.
 
-use crate::film::Image;
-use crate::metrics::heat_map;
+use crate::image::Image;
+use crate::image::metrics::heat_map;
 
 /// A picture of linear values: times the exposure; the file then has the sRGB curve, clamped.
 pub fn exposed(image: &Image, exposure: f64) -> Image {

@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// The name and version of the form.
 pub const SCHEMA: &str = "lumbre-reference-1";

@@ -5,9 +5,7 @@ use std::path::Path;
 use super::certificate::{Certificate, SCHEMA};
 use super::truth::Truth;
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::input::{read_attribute, read_image, read_layer};
-use crate::output::{NamedLayer, Picture, write_picture};
+use crate::image::{Image, NamedLayer, Picture, read_attribute, read_image, read_layer, write_picture};
 
 /// The name of the EXR layer that holds the variance of each pixel's mean, as `lumbre render --aov variance` writes it.
 const VARIANCE: &str = "variance";

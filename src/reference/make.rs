@@ -10,8 +10,8 @@ use super::truth::Truth;
 use super::witness::{Kinds, hold_against};
 use super::work::Work;
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::metrics::intervals::Interval;
+use crate::image::Image;
+use crate::statistics::Interval;
 
 /// Of the time that trying the techniques has left: what making takes at first, and what the witness does. The rest is for whatever they differ in, and
 /// goes into making where they do not.

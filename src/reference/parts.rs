@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::pilot::Tried;
 use super::series::Series;
 use crate::error::Result;
-use crate::output::replace_file;
+use crate::files::replace_file;
 
 /// What each begins with; the digit counts up whenever what follows is laid out differently.
 const MAGIC: &[u8; 8] = b"lumbreR1";
@@ -155,7 +155,7 @@ impl Parts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Image;
+    use crate::image::Image;
 
     #[test]
     fn they_come_back_or_not_at_all() {

@@ -7,9 +7,9 @@ use super::certificate::Pilot;
 use super::series::Series;
 use super::tails::blur;
 use super::tiles::{Tile, TileMean};
-use crate::film::Image;
-use crate::metrics::RELATIVE_FLOOR;
-use crate::metrics::pixels::worst_share;
+use crate::image::Image;
+use crate::image::metrics::RELATIVE_FLOOR;
+use crate::image::metrics::pixels::worst_share;
 
 /// Tiles by which parts of the image are told apart.
 pub(super) const TILE: u32 = 8;

@@ -3,8 +3,8 @@
 use super::candidates::Candidate;
 use super::series::Series;
 use crate::error::Result;
-use crate::film::Image;
 use crate::gpu::Gpu;
+use crate::image::Image;
 use crate::render::{MergeSchedule, Renderer, Settings};
 use crate::scene::Scene;
 

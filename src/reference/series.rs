@@ -1,6 +1,6 @@
 //! Independent images of one expectation: what a mean, and how well it is known, are made of.
 
-use crate::film::Image;
+use crate::image::Image;
 
 /// Independent images of the same expectation, each the mean of renderings with seeds of their own.
 #[derive(Clone, Debug, Default)]
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_noise_of_halves_is_that_of_the_mean() {
-        let mut random = crate::metrics::random::Normal::new(2);
+        let mut random = crate::statistics::random::Normal::new(2);
         let mut series = Series::new(64, 64, 16, false);
         for index in 0..16 {
             let pixels = (0..64 * 64).map(|_| [5.0 + random.next() as f32; 3]).collect();

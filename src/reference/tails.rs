@@ -2,9 +2,9 @@
 
 use super::certificate::OwnError;
 use super::series::Series;
-use crate::metrics::RELATIVE_FLOOR;
-use crate::metrics::intervals::{Interval, student_quantile};
-use crate::metrics::pixels::{HEAVY_TAIL, worst_share};
+use crate::image::metrics::RELATIVE_FLOOR;
+use crate::image::metrics::pixels::{HEAVY_TAIL, worst_share};
+use crate::statistics::{Interval, student_quantile};
 
 /// The square of how far the mean of a series is off whose one half is blurred by twice the squared radius of the other, beside the difference
 /// of the halves.
@@ -142,8 +142,8 @@ pub(super) fn blur(series: &Series, deviations: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Image;
-    use crate::metrics::random::Normal;
+    use crate::image::Image;
+    use crate::statistics::random::Normal;
 
     fn series(images: usize, mut value: impl FnMut(usize, usize) -> f64) -> Series {
         let mut series = Series::new(32, 32, images, true);

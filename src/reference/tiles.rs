@@ -3,8 +3,8 @@
 use super::series::{Series, variance_of_mean};
 use super::tails::SHIFT_OF_MEAN;
 use super::truth::Truth;
-use crate::film::Image;
-use crate::metrics::intervals::student_two_sided;
+use crate::image::Image;
+use crate::statistics::student_two_sided;
 
 /// Deviations within which nobody asks how probable they are.
 const NEAR: f64 = 2.0;

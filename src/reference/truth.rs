@@ -1,8 +1,8 @@
 //! The image that stands for the truth.
 
 use super::certificate::Certificate;
-use crate::film::Image;
-use crate::metrics::RELATIVE_FLOOR;
+use crate::image::Image;
+use crate::image::metrics::RELATIVE_FLOOR;
 
 /// The image that stands for the truth, with the variance of each of its pixels where that is known.
 #[derive(Clone, Debug)]

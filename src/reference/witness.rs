@@ -3,8 +3,8 @@
 use super::certificate::{Difference, Witness};
 use super::series::Series;
 use super::tiles::{Tile, TileMean, TileMeans};
-use crate::metrics::RELATIVE_FLOOR;
-use crate::metrics::stats::sidak;
+use crate::image::metrics::RELATIVE_FLOOR;
+use crate::statistics::sidak;
 
 /// Probability of a false alarm in all of the image.
 const ALPHA: f64 = 0.01;
@@ -120,8 +120,8 @@ pub fn hold_against(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Image;
-    use crate::metrics::random::Normal;
+    use crate::image::Image;
+    use crate::statistics::random::Normal;
 
     /// Images of 32 x 32 pixels with the mean 1 and the noise that `value` draws.
     fn series(random: &mut Normal, images: usize, value: impl Fn(&mut Normal) -> f64) -> Series {

@@ -19,7 +19,7 @@ use crate::integrator::Kept;
 use crate::layout::{
     BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address,
 };
-use crate::metrics::stats::Estimate;
+use crate::statistics::Estimate;
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;

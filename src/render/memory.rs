@@ -8,11 +8,11 @@ use super::radiosity;
 use super::scratch::ScratchSize;
 use super::settings::Settings;
 use super::upload::most_in_part;
-use crate::backend::Backend;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
 use crate::gpu::accel::{self, BuildSizes};
 use crate::integrator::Kept;
+use crate::layout::backend::Backend;
 use crate::layout::{
     self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
     UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,

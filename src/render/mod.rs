@@ -5,6 +5,7 @@
 //! is answered at once.
 
 mod chains;
+pub mod film;
 mod frames;
 mod kernel;
 mod memory;
@@ -32,10 +33,10 @@ pub use settings::{Settings, Technique};
 pub use spent::{Spent, spent};
 
 use crate::error::{Error, Result};
-use crate::film::{BadSample, Film, StrategyLayers};
 use crate::gpu::{Buffer, Gpu};
 use crate::integrator::{self, Kept, Over, Pass};
 use crate::layout::{BAD_SAMPLES, Chain, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
+use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::scene::patches::Quartered;
 use chains::Chains;

@@ -1,11 +1,11 @@
 //! What to render with.
 
 use super::radiosity::shoots;
-use crate::backend::Backend;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
 use crate::integrator::{self, Chance, INTEGRATORS, Integrator, Kept, Missing, Parameter, Pass, Solves, Values};
+use crate::layout::backend::Backend;
 use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};

@@ -9,7 +9,7 @@ const FIRST: u32 = 64;
 /// What an estimate that a few pixels decide must be, beside the error that is asked for.
 const FEW_DECIDE: f64 = 0.5;
 
-/// Watches a rendering's own estimate of its relMSE, [`crate::film::Film::error_estimate`].
+/// Watches a rendering's own estimate of its relMSE, [`crate::render::film::Film::error_estimate`].
 ///
 /// The estimate is the samples' variance, so it sees noise and no bias; and noise only as far as it has shown: where rare paths
 /// carry much of the light, it is too small until one of them was found. So one that a few pixels decide must be half as large. Looking again and again and stopping at the first good

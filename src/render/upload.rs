@@ -8,11 +8,11 @@ use obvhs::cwbvh::node::CwBvhNode;
 
 use super::settings::Settings;
 use super::watch::{Building, Watch};
-use crate::backend::Backend;
 use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
 use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
+use crate::layout::backend::Backend;
 use crate::layout::{
     self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE,
     UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,

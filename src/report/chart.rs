@@ -5,7 +5,7 @@
 use super::html::escape;
 use super::number;
 use super::scale::{LogScale, Tick, drawable};
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// Colours and marker shapes that the style sheet and [`marker`] have; further series repeat them with dashes.
 pub const STYLES: usize = 8;

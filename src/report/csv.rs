@@ -1,7 +1,7 @@
 //! The curves as a table: one line per scene, variant and point (RFC 4180, but with plain line feeds).
 
 use crate::bench::results::Results;
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// The columns of `results.csv`.
 ///

@@ -2,7 +2,7 @@
 
 use super::reference::Own;
 use crate::bench::results::{Figure, HEAVY_TAIL, Pair, Ratio, SceneResults, VariantResults};
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// The share of the least error from which on the reference's own error is worth a word.
 const WORTH_WHILE: f64 = 0.1;

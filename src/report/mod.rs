@@ -19,7 +19,7 @@ use std::path::Path;
 
 use crate::bench::results::Results;
 use crate::error::{Error, Result};
-use crate::output::replace_file;
+use crate::files::replace_file;
 use pictures::Pictures;
 
 /// Writes `index.html` and `results.csv` into the folder of a bench.

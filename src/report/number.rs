@@ -1,6 +1,6 @@
 //! Numbers as people read them: three significant digits, powers of ten where there would be many zeros.
 
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// What stands where there is no number.
 const NONE: &str = "–";

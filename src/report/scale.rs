@@ -1,7 +1,7 @@
 //! A logarithmic axis: from values to places, and where its ticks stand.
 
 use super::number;
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// Least ratio of an axis's ends: any such range holds two ticks of 1, 2, 5.
 const LEAST_SPAN: f64 = 0.7;

@@ -6,7 +6,7 @@ use super::pictures::Pictures;
 use super::reference::Own;
 use super::{number, reference, rows, summary};
 use crate::bench::results::{CurvePoint, ESTIMATE_TOLERANCE, Figure, SceneResults, VariantResults};
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// A measure of error with its curves.
 struct Metric {

@@ -4,7 +4,7 @@ use super::chart::key;
 use super::html::escape;
 use super::number;
 use crate::bench::results::{CurvePoint, Figure, Pair, Results, SceneResults, Setup, VariantResults};
-use crate::metrics::intervals::Interval;
+use crate::statistics::Interval;
 
 /// Stands before what the reader must not miss. The second character asks for letters, not for a coloured picture.
 pub const WARNING: &str = "\u{26a0}\u{fe0e}";

@@ -13,10 +13,11 @@ use super::limits::{ELEMENTS, IMAGE_BYTES, MATERIALS};
 use super::material::{self, MaterialDescription, file_materials};
 use super::mesh::Mesh;
 use super::placement::{choose_origin, framing_camera};
-use super::texture::{Pattern, Texels, TextureDescription, TextureImage, srgb_table};
+use super::texture::{Pattern, TextureDescription, srgb_table};
 use super::{Environment, FilmSettings, Filter, Instance, Scene, TechniqueRequest, environment, mip_maps};
 use crate::bvh::Bounds;
 use crate::error::{Error, Result, plain};
+use crate::image::{Texels, TextureImage};
 use crate::layout::{
     Blend, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION,
     Material, MaterialTextures, NONE, Surface,

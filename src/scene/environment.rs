@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::alias::alias_table;
 use super::light::importance;
-use super::texture::TextureImage;
+use crate::image::TextureImage;
 use crate::layout::AliasEntry;
 
 /// The most cells of the table along one side. Larger images share cells.

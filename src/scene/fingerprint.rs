@@ -9,9 +9,9 @@ use std::mem::discriminant;
 use bytemuck::Pod;
 
 use super::camera::Projection;
-use super::texture::{Texels, TextureImage};
 use super::{Camera, Environment, FilmSettings, Filter, Group, Instance, LightTree, Scene, TechniqueRequest};
 use crate::bvh::Bounds;
+use crate::image::{Texels, TextureImage};
 
 impl Scene {
     /// Feeds everything that a picture depends on to a hash: arrays, images, cameras, film; not names in messages and warnings.

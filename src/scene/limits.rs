@@ -1,9 +1,6 @@
 //! What is the most that is read, in one place: a file can claim anything, and a few bytes can stand for very many. Each limit
 //! is far above what scenes need, and the error that it gives names it.
 
-/// Bytes of a file that is read whole: an image, a buffer, a .glb.
-pub(super) const FILE_BYTES: u64 = 4 << 30;
-
 /// Bytes of the XML of a scene, and of all that it includes, again each time.
 pub(super) const XML_BYTES: u64 = 256 << 20;
 /// Elements of the XML of a scene, and of all that it includes.
@@ -31,12 +28,5 @@ pub(super) const MESH_BYTES: u64 = 4 << 30;
 /// Bytes of the name of a serialized mesh.
 pub(super) const MESH_NAME: u64 = 1 << 16;
 
-/// Texels of an image.
-pub(super) const TEXELS: u64 = 1 << 28;
-/// The longest side of an image.
-pub(super) const SIDE: u32 = 1 << 16;
 /// Bytes of all images of a scene, decoded.
 pub(super) const IMAGE_BYTES: u64 = 4 << 30;
-
-/// Bytes that one byte of a DEFLATE stream stands for at most: one bit for 258 bytes and one more for their distance.
-pub(super) const DEFLATE_RATIO: u64 = 1032;

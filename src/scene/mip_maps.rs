@@ -7,9 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::texture::{Texels, TextureImage};
+use crate::image::{Texels, TextureImage, srgb_byte};
 use crate::layout::{FILTER_NEAREST_BIT, Layered, MaterialTextures, NONE, TEXTURE_IMAGE, Texture};
-use crate::output::srgb_byte;
 
 /// Levels of a chain from an image of this size down to one texel, the image itself included.
 pub fn level_count(width: u32, height: u32) -> u32 {

@@ -13,7 +13,6 @@ pub mod filter;
 mod fingerprint;
 mod flatten;
 pub mod gltf;
-pub mod image_file;
 pub mod light;
 mod light_table;
 mod light_tree;
@@ -52,6 +51,7 @@ pub use needs::Needs;
 
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
+use crate::image::TextureImage;
 use crate::layout::{
     AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE,
     LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_LAYERED,
@@ -111,7 +111,7 @@ pub struct Scene {
     /// Textures; each names its image where it will hold its address.
     pub textures: Vec<Texture>,
     /// Images that textures show.
-    pub images: Vec<texture::TextureImage>,
+    pub images: Vec<TextureImage>,
     /// Tables of floats; where anything is textured, the first 256 decode 8-bit sRGB.
     pub tables: Vec<f32>,
     /// The lights, with the probability of selecting each of those in the table. They come first.

@@ -11,7 +11,7 @@ use tobj::LoadError;
 use super::builder::{SceneBuilder, SurfaceDescription, WORLD};
 use super::{Mesh, material};
 use crate::error::{Error, Result};
-use crate::input;
+use crate::files::open;
 use crate::layout::Material;
 
 const OPTIONS: tobj::LoadOptions =
@@ -163,7 +163,7 @@ struct Lines {
 
 impl Lines {
     fn open(path: &Path, skipped: &'static [&'static str]) -> Result<Self> {
-        let inner = BufReader::new(input::open(path)?);
+        let inner = BufReader::new(open(path)?);
         let (line, counts) = (Vec::new(), [0; 3]);
         Ok(Self { inner, line, position: 0, number: 0, skipped, are_materials: false, counts, wrong: None })
     }

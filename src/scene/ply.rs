@@ -9,7 +9,7 @@ use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAcces
 
 use super::Mesh;
 use crate::error::{Error, Result};
-use crate::input::open;
+use crate::files::open;
 
 /// Reads positions, normals (if all three are there), texture coordinates (`u`, `v` or `s`, `t`) and faces; polygons become fans of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {

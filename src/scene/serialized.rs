@@ -11,9 +11,9 @@ use flate2::bufread::ZlibDecoder;
 use glam::{DVec3, Vec2};
 
 use super::Mesh;
-use super::limits::{DEFLATE_RATIO, MESH_BYTES, MESH_NAME};
+use super::limits::{MESH_BYTES, MESH_NAME};
 use crate::error::{Error, Result};
-use crate::input::open;
+use crate::files::{DEFLATE_RATIO, open};
 
 const MAGIC: u16 = 0x041c;
 const HAS_NORMALS: u32 = 0x0001;

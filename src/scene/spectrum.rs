@@ -9,7 +9,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result};
-use crate::input::read_text;
+use crate::files::read_text;
 use crate::scene::limits::SPECTRUM_BYTES;
 
 /// Wavelength of the first entry of the tables, nm.

@@ -2,18 +2,18 @@
 
 use glam::{DAffine3, DVec3, Vec2};
 
-use super::Run;
 use super::figure::Figure;
 use super::geometry::{lamp, look};
-use super::room;
-use crate::backend::Backend;
+use super::{Run, room};
 use crate::error::Result;
-use crate::metrics::stats::Estimate;
-use crate::metrics::tiles::{average, tile_average};
+use crate::image::{Texels, TextureImage};
+use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings};
 use crate::scene::material::{self, MaterialDescription};
-use crate::scene::texture::{Pattern, Texels, TextureDescription, TextureImage};
+use crate::scene::texture::{Pattern, TextureDescription};
 use crate::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
+use crate::statistics::Estimate;
+use crate::verify::tiles::{average, tile_average};
 
 /// A floor of side 6 with bumps or with normals from an image.
 fn uneven_floor(builder: &mut SceneBuilder, texels: Vec<[f32; 4]>, side: u32, is_bump: bool, albedo: [f32; 3]) {

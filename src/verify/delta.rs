@@ -6,10 +6,10 @@ use super::Run;
 use super::figure::Figure;
 use super::geometry::{closed_cube, inside_out, look};
 use crate::error::Result;
-use crate::metrics::tiles::average;
 use crate::render::Settings;
 use crate::scene::material::{self, MaterialDescription};
 use crate::scene::{Scene, SceneBuilder, SurfaceDescription};
+use crate::verify::tiles::average;
 
 fn surface(builder: &mut SceneBuilder, material: impl Into<MaterialDescription>, emission: f64) -> usize {
     let front = Some(builder.material(material));

@@ -4,17 +4,17 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
 
-use super::Run;
 use super::figure::{Figure, Worst};
 use super::formulas::patch_under;
 use super::geometry::{lamp, polygon};
-use super::room;
 use super::sampling::spread;
-use crate::backend::Backend;
+use super::{Run, room};
 use crate::error::Result;
+use crate::image::{Texels, TextureImage};
+use crate::layout::backend::Backend;
 use crate::layout::{LightAnswer, LightQuery};
 use crate::render::Settings;
-use crate::scene::texture::{Pattern, Texels, TextureDescription, TextureImage, Wrap};
+use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 use crate::scene::{Scene, SceneBuilder};
 
 /// Every technique that aims at lights (and, where `found` by chance, those that do not) gives albedo / pi times the irradiance.
@@ -188,11 +188,11 @@ pub(super) fn units(run: &mut Run) -> Result<()> {
             Ok::<_, crate::Error>(run.render(&scene, &settings, 64)?.mean())
         };
         let (one, other) = (film(run, 1.0, 0)?, film(run, 1.0, 1)?);
-        let noise = crate::metrics::compare(&one, &other)?.relmse;
+        let noise = crate::image::metrics::compare(&one, &other)?.relmse;
         for (unit, scale) in
             [("millimetres", 1e3), ("kilometres", 1e-3), ("tenths of millimetres", 1e4), ("tens of kilometres", 1e-4)]
         {
-            let difference = crate::metrics::compare(&film(run, scale, 0)?, &one)?.relmse;
+            let difference = crate::image::metrics::compare(&film(run, scale, 0)?, &one)?.relmse;
             run.note(Figure::at_most(
                 technique,
                 format!("in {unit}: relMSE as a share of the noise's"),

@@ -7,10 +7,11 @@ use glam::{DAffine3, DVec3};
 use super::Run;
 use super::geometry::{closed_cube, inside_out, lamp, look, polygon};
 use crate::error::Result;
+use crate::image::{Texels, TextureImage};
 use crate::render::Settings;
 use crate::scene::camera::Projection;
 use crate::scene::light::Lamp;
-use crate::scene::texture::{Pattern, Texels, TextureDescription, TextureImage, Wrap};
+use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 use crate::scene::{Camera, Scene, SceneBuilder, SurfaceDescription, material};
 
 /// A patch of albedo 0.5 at the origin that faces +y, seen from above, under an emitter of radiance 1.

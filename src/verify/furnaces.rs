@@ -7,13 +7,13 @@ use super::Run;
 use super::figure::{Figure, Worst};
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, look};
 use super::run::differing;
-use crate::backend::Backend;
 use crate::error::Result;
 use crate::integrator::Solves;
-use crate::metrics::stats::Estimate;
-use crate::metrics::tiles::average;
+use crate::layout::backend::Backend;
 use crate::render::Settings;
 use crate::scene::{Mesh, Scene, SceneBuilder};
+use crate::statistics::Estimate;
+use crate::verify::tiles::average;
 
 /// One albedo for each channel; radiances of 2, 4/3 and 4.
 const ALBEDO: [f32; 3] = [0.5, 0.25, 0.75];

@@ -25,6 +25,7 @@ mod run;
 pub mod sampling;
 mod sums;
 mod table;
+pub mod tiles;
 mod toy;
 mod weights;
 
@@ -35,9 +36,9 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::backend::{BACKENDS, Backend};
 use crate::error::{Error, Result, one_of};
 use crate::gpu::Gpu;
+use crate::layout::backend::{BACKENDS, Backend};
 
 pub use figure::{Figure, Verdict};
 pub use run::{Effort, Run};

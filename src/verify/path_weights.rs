@@ -10,7 +10,7 @@ use super::Run;
 use super::defined_paths::{Defined, FLATTEST, LAMP_AREA, LENS, PINHOLE, View, room};
 use super::figure::{Figure, Worst};
 use crate::error::Result;
-use crate::film::StrategyLayers;
+use crate::render::film::StrategyLayers;
 use crate::render::{Probe, Settings};
 use crate::strategies::{LONGEST, Strategies, Strategy};
 

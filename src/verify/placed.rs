@@ -6,7 +6,7 @@ use super::Run;
 use super::figure::Figure;
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, lamp, look};
 use crate::error::Result;
-use crate::metrics::compare;
+use crate::image::metrics::compare;
 use crate::render::Settings;
 use crate::scene::{Mesh, Scene, SceneBuilder};
 

@@ -3,16 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use super::figure::Figure;
-use crate::backend::Backend;
 use crate::error::Result;
-use crate::film::Film;
 use crate::gpu::Gpu;
+use crate::image::{Picture, write_picture};
 use crate::integrator::{Bias, INTEGRATORS, Integrator, Kept, Solves};
-use crate::metrics::stats::{Estimate, sidak, two_sided_p};
-use crate::metrics::tiles::{LargestZ, average, largest_z};
-use crate::output::{Picture, write_picture};
+use crate::layout::backend::Backend;
+use crate::render::film::Film;
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
+use crate::statistics::{Estimate, sidak, two_sided_p};
+use crate::verify::tiles::{LargestZ, average, largest_z};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

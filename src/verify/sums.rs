@@ -2,20 +2,17 @@
 
 use glam::DVec3;
 
-use super::Run;
 use super::figure::{Figure, Worst};
 use super::geometry::{lamp, look};
-use super::room;
 use super::run::differing;
-use crate::backend::Backend;
+use super::{Run, room};
 use crate::error::Result;
-use crate::film::Image;
-use crate::input::read_image;
+use crate::image::{Image, Picture, read_image, write_picture};
 use crate::integrator::{INTEGRATORS, Integrator, Kept};
-use crate::metrics::tiles::average;
-use crate::output::{Picture, write_picture};
+use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Scene, SceneBuilder};
+use crate::verify::tiles::average;
 
 /// A light that fills the image.
 fn light(size: u32, emission: [f64; 3]) -> Result<Scene> {

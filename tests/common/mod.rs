@@ -13,14 +13,14 @@ pub mod truth;
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, PoisonError};
 
-use lumbre::backend::{BACKENDS, Backend};
 use lumbre::error::Error;
-use lumbre::film::Film;
 use lumbre::gpu::{Gpu, Instance};
-use lumbre::metrics::stats::{Estimate, sidak, two_sided_p};
-pub use lumbre::metrics::tiles::{LargestZ, average, largest_z, tile_average};
+use lumbre::layout::backend::{BACKENDS, Backend};
+use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
+use lumbre::statistics::{Estimate, sidak, two_sided_p};
+pub use lumbre::verify::tiles::{LargestZ, average, largest_z, tile_average};
 use lumbre::verify::{Effort, Verdict};
 
 /// The devices that no test has at the moment, and how many there are in all.

@@ -2,9 +2,9 @@
 //! reported before a test fails.
 
 use glam::DVec3;
-use lumbre::backend::Backend;
 use lumbre::gpu::Gpu;
 use lumbre::layout::RandomQuery;
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Probe, Settings};
 use lumbre::sampler::Sampler;
 use lumbre::scene::material::{self, MaterialDescription};

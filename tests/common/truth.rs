@@ -6,11 +6,10 @@
 
 use std::path::{Path, PathBuf};
 
-use lumbre::film::{Film, Image};
 use lumbre::gpu::Gpu;
-use lumbre::input::{read_image, read_layer};
-use lumbre::output::{NamedLayer, Picture, write_picture};
+use lumbre::image::{Image, NamedLayer, Picture, read_image, read_layer, write_picture};
 use lumbre::render::Settings;
+use lumbre::render::film::Film;
 use lumbre::scene::Scene;
 
 const VARIANCE: &str = "variance";

@@ -2,11 +2,11 @@
 
 use std::collections::HashSet;
 
-use lumbre::backend::Backend;
 use lumbre::bench::{Lumbre, Variant};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
 use lumbre::integrator::{Bias, Solves};
+use lumbre::layout::backend::Backend;
 use lumbre::render::{Settings, Technique};
 use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};

@@ -16,14 +16,14 @@ use lumbre::bench::peer::{Peer, SceneRequest};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
 use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
 use lumbre::error::{Error, Result};
-use lumbre::film::Image;
+use lumbre::files::{check_writable, replace_file};
 use lumbre::gpu::Gpu;
+use lumbre::image::{Image, Picture, write_picture};
 use lumbre::integrator::Solves;
-use lumbre::metrics::intervals::CONFIDENCE;
-use lumbre::output::{Picture, check_writable, replace_file, write_picture};
 use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
+use lumbre::statistics::CONFIDENCE;
 
 use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
 use super::{DeviceArgs, choose_backend, parse_define, print, print_warnings};
@@ -213,7 +213,7 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
         if !args.quiet {
             print_warnings(&scene);
         }
-        let mut settings = Settings::new(&scene, Technique::parse("path")?, lumbre::backend::Backend::Bvh);
+        let mut settings = Settings::new(&scene, Technique::parse("path")?, lumbre::layout::backend::Backend::Bvh);
         if let Some((width, height)) = args.size {
             (settings.width, settings.height) = (width, height);
         }

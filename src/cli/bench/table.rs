@@ -2,7 +2,7 @@
 
 use lumbre::bench::against::{Comparison, Figure};
 use lumbre::bench::results::{self as bench, Reference, Results, SceneResults, VariantResults};
-use lumbre::metrics::intervals::Interval;
+use lumbre::statistics::Interval;
 
 use super::super::print;
 

@@ -5,9 +5,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use serde::Serialize;
 
+use lumbre::image::{Texels, TextureImage};
 use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE};
 use lumbre::render::{KernelSize, Prediction};
-use lumbre::scene::texture::{Texels, TextureImage};
 use lumbre::scene::{Group, Needs, Scene};
 
 /// The JSON object of `lumbre info`; its keys are a contract.
@@ -156,11 +156,11 @@ fn repeated(images: &[TextureImage]) -> Vec<Repeat> {
     let mut found = Vec::new();
     for (index, image) in images.iter().enumerate() {
         let mut hasher = DefaultHasher::new();
-        (image.width, image.height, image.format(), image.bytes()).hash(&mut hasher);
+        (image.width, image.height, image.texels.format(), image.bytes()).hash(&mut hasher);
         let alike = seen.entry(hasher.finish()).or_default();
         let same = alike.iter().find(|other| {
             let other = &images[**other];
-            let shape = |image: &TextureImage| (image.width, image.height, image.format());
+            let shape = |image: &TextureImage| (image.width, image.height, image.texels.format());
             shape(other) == shape(image) && other.bytes() == image.bytes()
         });
         match same {

@@ -1,7 +1,8 @@
 //! The strategies as one picture: a row for each path length, a column for each number of vertices from the light, as Veach's thesis
 //! shows them (figures 10.2 and 10.3): on the left each strategy by itself, on the right its share of the image.
 
-use lumbre::film::{Film, Image};
+use lumbre::image::Image;
+use lumbre::render::film::Film;
 use lumbre::strategies::Strategy;
 
 /// Pixels between pictures, and around all.

@@ -6,9 +6,9 @@ use std::time::Instant;
 use serde::Serialize;
 
 use lumbre::error::Result;
-use lumbre::film::{BadSample, ErrorEstimate, Film, Image};
 use lumbre::gpu::Gpu;
-use lumbre::output::{NamedLayer, Picture};
+use lumbre::image::{Image, NamedLayer, Picture};
+use lumbre::render::film::{BadSample, ErrorEstimate, Film};
 use lumbre::render::{KernelSize, PatchReport, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
 

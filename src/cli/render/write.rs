@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lumbre::error::{Error, Result};
-use lumbre::film::Film;
-use lumbre::output::{Format, Picture, format_of, write_picture};
+use lumbre::image::{Format, Picture, format_of, write_picture};
+use lumbre::render::film::Film;
 
 use super::keep::Keeper;
 use super::pyramid;

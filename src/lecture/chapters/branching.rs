@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use super::scenes::SPHERES;
 use super::*;
+use crate::image::metrics::compare;
 use crate::lecture::run::part_of;
-use crate::metrics::compare;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "branching",

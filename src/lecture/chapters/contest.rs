@@ -4,11 +4,11 @@ use std::rc::Rc;
 
 use super::scenes::Room;
 use crate::error::Result;
-use crate::film::Image;
+use crate::image::Image;
+use crate::image::metrics::RELATIVE_FLOOR;
 use crate::integrator;
 use crate::lecture::lab::Lab;
 use crate::lecture::run::{Compared, Run};
-use crate::metrics::RELATIVE_FLOOR;
 
 /// Seconds of rendering that each technique gets.
 pub const EQUAL_TIME: f64 = 3.0;

@@ -17,16 +17,15 @@ mod scenes;
 mod spanish;
 mod strategies;
 
-use super::Chapter;
 use super::lab::Lab;
 use super::run::{Compared, Run};
 use super::sheet::{Cell, Sheet};
 use super::text::{Text, same, text};
-use super::view;
+use super::{Chapter, view};
 use crate::error::Result;
-use crate::film::Image;
-use crate::metrics::stats::Estimate;
+use crate::image::Image;
 use crate::report::number::{figure, samples};
+use crate::statistics::Estimate;
 
 /// Every chapter.
 pub const CHAPTERS: &[Chapter] = &[

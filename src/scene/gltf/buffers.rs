@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use super::document::Document;
 use super::uri::{Resource, resolve};
 use crate::error::Result;
-use crate::input::read_bytes;
-use crate::scene::limits::FILE_BYTES;
+use crate::files::{FILE_BYTES, read_bytes};
 
 /// The bytes of all buffers.
 #[derive(Debug)]

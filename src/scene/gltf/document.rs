@@ -10,8 +10,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Map;
 
 use crate::error::{Error, Result, one_of};
-use crate::input::read_bytes;
-use crate::scene::limits::{FILE_BYTES, JSON_BYTES};
+use crate::files::{FILE_BYTES, read_bytes};
+use crate::scene::limits::JSON_BYTES;
 
 /// The first chunk of a .glb.
 const JSON: [u8; 4] = *b"JSON";

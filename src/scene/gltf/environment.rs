@@ -10,10 +10,9 @@ use serde::Deserialize;
 use super::document::{Document, SceneEntry};
 use super::uri::{Resource, resolve};
 use crate::error::Result;
-use crate::input::read_bytes;
+use crate::files::{FILE_BYTES, read_bytes};
+use crate::image::{Encoding, decode_texture};
 use crate::scene::SceneBuilder;
-use crate::scene::image_file::{Encoding, decode_texture};
-use crate::scene::limits::FILE_BYTES;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 #[derive(Deserialize)]

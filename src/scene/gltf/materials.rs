@@ -14,8 +14,8 @@ use super::document::Document;
 use super::primitives::Wanted;
 use super::textures::{ALPHA, BLUE, COLOUR, GREEN, RED, Reference, Textures};
 use crate::error::Result;
+use crate::image::Encoding;
 use crate::layout::{Layered, MATERIAL_HAS_COLOURS, MaterialTextures, NONE};
-use crate::scene::image_file::Encoding;
 use crate::scene::material::{UNTEXTURED, layered, plain_layers};
 use crate::scene::{Mask, SceneBuilder, SurfaceDescription};
 

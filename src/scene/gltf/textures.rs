@@ -12,11 +12,10 @@ use super::buffers::Buffers;
 use super::document::Document;
 use super::uri::{Resource, resolve};
 use crate::error::Result;
-use crate::input::read_bytes;
+use crate::files::{FILE_BYTES, read_bytes};
+use crate::image::{Encoding, Texels, decode_texture};
 use crate::scene::SceneBuilder;
-use crate::scene::image_file::{Encoding, decode_texture};
-use crate::scene::limits::FILE_BYTES;
-use crate::scene::texture::{Pattern, Texels, TextureDescription, Wrap};
+use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 /// What a material says of one of its textures.
 #[derive(Clone, Debug)]

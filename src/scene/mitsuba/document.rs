@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use super::Defines;
 use crate::error::{Error, Result, all_of};
-use crate::input::read_text;
+use crate::files::read_text;
 use crate::scene::limits::{DEPTH, INCLUDES, PARAMETER_BYTES, XML_BYTES, XML_ELEMENTS};
 
 /// One XML element; parameters are already replaced in its attributes.

@@ -5,8 +5,8 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::Result;
+use crate::image::Encoding;
 use crate::scene::Camera;
-use crate::scene::image_file::Encoding;
 use crate::scene::light::{Falloff, Lamp};
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 

@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::builder::SceneBuilder;
-use super::image_file::Encoding;
 use crate::error::{Error, Result};
+use crate::image::Encoding;
 use crate::scene::LoadOptions;
 use bsdf::Sides;
 use object::Object;

@@ -7,8 +7,8 @@ use glam::DAffine3;
 use super::Loader;
 use super::object::{Colour, Object};
 use crate::error::{Error, Result, one_of};
+use crate::image::{Encoding, read_texture};
 use crate::layout::NONE;
-use crate::scene::image_file::{Encoding, read_texture};
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 const SUPPORTED: [&str; 2] = ["bitmap", "checkerboard"];

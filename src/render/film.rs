@@ -1,9 +1,10 @@
 //! The film on the host: sums per pixel, and what follows from them.
 
+use crate::image::Image;
+use crate::image::metrics::RELATIVE_FLOOR;
+use crate::image::metrics::pixels::{HEAVY_TAIL, worst_share};
 use crate::layout::FilmPixel;
-use crate::metrics::RELATIVE_FLOOR;
-use crate::metrics::pixels::{HEAVY_TAIL, worst_share};
-use crate::metrics::stats::Estimate;
+use crate::statistics::Estimate;
 use crate::strategies::Strategy;
 
 /// Sums of the samples of each pixel, row by row from the upper left.
@@ -69,17 +70,6 @@ impl ErrorEstimate {
     pub fn is_at_least(&self) -> bool {
         self.worst_share > HEAVY_TAIL
     }
-}
-
-/// An image of linear RGB, row by row from the upper left.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// One colour per pixel.
-    pub pixels: Vec<[f32; 3]>,
 }
 
 impl Film {
@@ -199,20 +189,5 @@ impl Film {
     /// The average over all pixels, per channel.
     pub fn average(&self) -> [f64; 3] {
         self.mean().average()
-    }
-}
-
-impl Image {
-    /// Feeds its size and the bits of its pixels to a hash.
-    pub fn hash_pixels(&self, hasher: &mut impl std::hash::Hasher) {
-        hasher.write_u32(self.width);
-        hasher.write_u32(self.height);
-        hasher.write(bytemuck::cast_slice(&self.pixels));
-    }
-
-    /// The average over all pixels, per channel.
-    pub fn average(&self) -> [f64; 3] {
-        let count = self.pixels.len().max(1) as f64;
-        std::array::from_fn(|channel| self.pixels.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / count)
     }
 }

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::stats::Estimate;
-use crate::film::Film;
+use crate::render::film::Film;
+use crate::statistics::Estimate;
 
 /// The mean over all pixels and its variance, per channel, from the film's own variance.
 pub fn average(film: &Film) -> [Estimate; 3] {

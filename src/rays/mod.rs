@@ -7,9 +7,9 @@ mod sets;
 
 use serde::Serialize;
 
-use crate::backend::Backend;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
+use crate::layout::backend::Backend;
 use crate::layout::{RayRecord, TraversalCount};
 use crate::render::{Probe, Settings, Technique};
 use crate::scene::Scene;

@@ -1,7 +1,7 @@
 //! LDR-FLIP (Andersson, Nilsson, Akenine-Moller et al. 2020): how different two pictures look when a viewer flips between
 //! them. Section and equation numbers are the paper's. Checked against NVIDIA's own implementation in `tests/metrics.rs`.
 
-use crate::film::Image;
+use crate::image::Image;
 
 /// Pixels per degree of a 4K display 0.7 m wide, seen from 0.7 m: the paper's default.
 const PIXELS_PER_DEGREE: f32 = 67.020_64;

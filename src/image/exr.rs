@@ -1,58 +1,37 @@
-//! Reading files: images to compare, EXR (linear) and PNG (sRGB), and text of bounded size.
+//! OpenEXR: linear values in 32-bit float, layers by the names of their channels, texts in the header.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
+    ReadChannels, ReadLayers, Text, WritableImage,
+};
 
+use super::Image;
+use super::limits::{EXR_RATIO, check_size};
+use super::picture::{Format, Picture, format_of};
 use crate::error::{Error, Result};
-use crate::film::Image;
-use crate::output::{Format, format_of, srgb_to_linear};
-use crate::scene::image_file::{EXR_RATIO, check_size};
+use crate::files::{WriteSeek, open};
 
-/// Opens a file; folders, devices and pipes, which may have no end, are refused.
-pub(crate) fn open(path: &Path) -> Result<File> {
-    let meta = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-    if !meta.is_file() {
-        return Err(Error::read(path, "it is not a file"));
+/// Writes a picture with its layers and its header, compressed without loss.
+pub(super) fn write(file: &mut dyn WriteSeek, picture: &Picture) -> Result<(), String> {
+    let text = |text: &str| Text::new_or_none(text).ok_or_else(|| format!("'{text}' cannot be in an EXR header"));
+    let mut channels = Vec::new();
+    let images = std::iter::once((String::new(), &picture.image))
+        .chain(picture.layers.iter().map(|layer| (format!("{}.", layer.name), &layer.image)));
+    for (prefix, image) in images {
+        for (index, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            let samples = image.pixels.iter().map(|pixel| pixel[index]).collect();
+            channels.push(AnyChannel::new(text(&format!("{prefix}{channel}"))?, FlatSamples::F32(samples)));
+        }
     }
-    File::open(path).map_err(|error| Error::read(path, error))
-}
-
-/// The bytes of a file, unless it has more than `most`.
-pub(crate) fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
-    let file = open(path)?;
-    let size = file.metadata().map_err(|error| Error::read(path, error))?.len();
-    let mut bytes = Vec::new();
-    // What is read counts, for a file may grow.
-    if size <= most {
-        bytes.reserve(size as usize);
-        file.take(most + 1).read_to_end(&mut bytes).map_err(|error| Error::read(path, error))?;
+    let size = (picture.image.width as usize, picture.image.height as usize);
+    let mut attributes = LayerAttributes::default();
+    for (name, value) in &picture.header {
+        attributes.other.insert(text(name)?, AttributeValue::Text(text(value)?));
     }
-    let size = size.max(bytes.len() as u64);
-    if size > most {
-        return Err(Error::scene(path, format!("the file has {size} bytes, and {most} is the most that is read")));
-    }
-    Ok(bytes)
-}
-
-/// The text of a file, unless it has more than `most` bytes.
-pub(crate) fn read_text(path: &Path, most: u64) -> Result<String> {
-    String::from_utf8(read_bytes(path, most)?).map_err(|error| {
-        let good = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = good.iter().filter(|byte| **byte == b'\n').count() as u32 + 1;
-        Error::scene_line(path, line, format!("the file is not text: byte {} is not UTF-8", good.len()))
-    })
-}
-
-/// The R, G and B channels of an image as linear values.
-pub fn read_image(path: &Path) -> Result<Image> {
-    std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-    match format_of(path)? {
-        Format::Exr => read_exr(path),
-        Format::Png => read_png(path),
-    }
+    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.into()));
+    ExrImage::from_layer(layer).write().to_buffered(file).map_err(|error| error.to_string())
 }
 
 /// Refuses an EXR file that claims to be larger than it can be, before room is made for it.
@@ -65,13 +44,14 @@ fn check_exr(path: &Path) -> Result<()> {
     })
 }
 
-fn read_exr(path: &Path) -> Result<Image> {
+/// The R, G and B channels of the first layer that has them.
+pub(super) fn read(path: &Path) -> Result<Image> {
     struct Pixels {
         width: usize,
         pixels: Vec<[f32; 3]>,
     }
     check_exr(path)?;
-    let image = read()
+    let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .rgb_channels(
@@ -95,7 +75,7 @@ pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
         return Ok(None);
     }
     check_exr(path)?;
-    let image = read()
+    let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
@@ -125,14 +105,4 @@ pub fn read_attribute(path: &Path, name: &str) -> Result<Option<String>> {
         exr::meta::attribute::AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
     }))
-}
-
-fn read_png(path: &Path) -> Result<Image> {
-    let image = image::ImageReader::open(path)
-        .map_err(|error| Error::read(path, error))?
-        .decode()
-        .map_err(|error| Error::read(path, error))?
-        .into_rgb32f();
-    let pixels = image.pixels().map(|pixel| pixel.0.map(srgb_to_linear)).collect();
-    Ok(Image { width: image.width(), height: image.height(), pixels })
 }

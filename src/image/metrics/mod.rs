@@ -1,19 +1,16 @@
-//! How far an image is from a reference, in linear values, and whether two images can have the same mean.
+//! How far an image is from a reference, in linear values.
 
+mod bias;
 mod flip;
-pub mod intervals;
 pub mod pixels;
-#[cfg(test)]
-pub(crate) mod random;
-pub mod stats;
-pub mod tiles;
 
 use serde::Serialize;
 
+pub use bias::{SquaredBias, squared_bias};
 pub use flip::flip_map;
 
 use crate::error::{Error, Result};
-use crate::film::Image;
+use crate::image::Image;
 
 /// What relMSE adds to the reference's square, so that black pixels do not decide.
 pub const RELATIVE_FLOOR: f64 = 1e-2;

@@ -1,16 +1,15 @@
-//! Images that textures show: PNG, JPEG, Radiance HDR and EXR, from files or from memory.
+//! Decoding the images that textures show: PNG, JPEG, Radiance HDR and EXR, from files or from memory.
 
 use std::io::Cursor;
 use std::path::Path;
 
+use ::image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use exr::prelude::{ReadChannels, ReadLayers, read};
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::limits::{DEFLATE_RATIO, FILE_BYTES, SIDE, TEXELS};
-use super::texture::{Texels, TextureImage};
+use super::limits::{EXR_RATIO, SIDE, TEXELS, check_size};
+use super::{Texels, TextureImage, srgb_to_linear};
 use crate::error::{Error, Result};
-use crate::input::read_bytes;
-use crate::output::srgb_to_linear;
+use crate::files::{DEFLATE_RATIO, FILE_BYTES, read_bytes};
 
 /// How the 8-bit values of an image are meant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,8 +44,8 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
     limits.max_image_height = Some(SIDE);
     limits.max_alloc = Some(16 * TEXELS);
     reader.limits(limits);
-    let invalid = |error: image::ImageError| match error {
-        image::ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+    let invalid = |error: ImageError| match error {
+        ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             wrong(String::from("not a valid image: the data end too early"))
         }
         error => wrong(format!("not a valid image: {error}")),
@@ -81,25 +80,6 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
         if encoding == Encoding::Srgb { Texels::Srgb8(texels) } else { Texels::Linear8(texels) }
     };
     finite(TextureImage { source: source.to_owned(), width, height, texels })
-}
-
-/// Texels that one byte of an EXR file stands for at most: samples have 16 bits or more, and the other compressions stay below
-/// that of ZIP.
-pub(crate) const EXR_RATIO: u64 = DEFLATE_RATIO / 2;
-
-/// Room is made by what the header of an image says, before any of its data is decoded: says what is wrong where that is too much,
-/// or cannot be true of a file of so many bytes, each of which stands for so many texels at most.
-pub(crate) fn check_size([width, height]: [u64; 2], bytes: u64, per_byte: u64) -> Result<(), String> {
-    let (texels, side) = (width.saturating_mul(height), u64::from(SIDE));
-    if width == 0 || height == 0 || width > side || height > side || texels > TEXELS {
-        return Err(format!(
-            "the image claims {width} x {height} texels: sides of 1 to {SIDE} and {TEXELS} in all are read"
-        ));
-    }
-    if texels > bytes.saturating_mul(per_byte) {
-        return Err(format!("the image claims {width} x {height} texels, more than its {bytes} bytes can hold"));
-    }
-    Ok(())
 }
 
 fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()>) -> Result<TextureImage> {

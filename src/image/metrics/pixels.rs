@@ -1,7 +1,7 @@
 //! Squared relative errors pixel by pixel, and what of them a few bright samples do not decide.
 
 use super::RELATIVE_FLOOR;
-use crate::film::Image;
+use crate::image::Image;
 
 /// The share of the pixels that is left out as the worst: at least one.
 pub const WORST: f64 = 1e-3;

@@ -1,0 +1,63 @@
+//! Image files by the extension of their name: EXR (linear, with layers and a header) and PNG (sRGB).
+
+use std::path::Path;
+
+use super::{Image, exr, png};
+use crate::error::{Error, Result};
+use crate::files::replace_file;
+
+/// A format that images are written in, by the extension of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// OpenEXR: linear, 32-bit float, with layers and the settings in its header.
+    Exr,
+    /// PNG: sRGB, 8 bits, clamped to 0..1.
+    Png,
+}
+
+/// An image with a name: a further layer of an EXR file.
+#[derive(Clone, Debug)]
+pub struct NamedLayer {
+    /// Its channels are `name.R`, `name.G` and `name.B`.
+    pub name: String,
+    /// Its values.
+    pub image: Image,
+}
+
+/// What an image file holds.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// The image itself.
+    pub image: Image,
+    /// Further layers; EXR only.
+    pub layers: Vec<NamedLayer>,
+    /// Names and values for the header; EXR only.
+    pub header: Vec<(String, String)>,
+}
+
+/// The format that a file name asks for.
+pub fn format_of(path: &Path) -> Result<Format> {
+    match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
+        Some("exr") => Ok(Format::Exr),
+        Some("png") => Ok(Format::Png),
+        _ => Err(Error::Usage(format!("{}: the extension of an output must be .exr or .png", path.display()))),
+    }
+}
+
+/// Writes a picture in the format that the file name asks for.
+pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
+    let format = format_of(path)?;
+    replace_file(path, |file| match format {
+        Format::Exr => exr::write(file, picture),
+        Format::Png => png::write(file, &picture.image),
+    })
+}
+
+/// The R, G and B channels of an image as linear values.
+pub fn read_image(path: &Path) -> Result<Image> {
+    std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+    match format_of(path)? {
+        Format::Exr => exr::read(path),
+        Format::Png => png::read(path),
+    }
+}
