@@ -1,4 +1,4 @@
-//! Compiles every shader: technique x pass x backend from the table in `src/integrator.rs`, and the kernels in
+//! Compiles every shader: technique x pass x backend from the table in `src/techniques/table.rs`, and the kernels in
 //! `shaders/test` and `shaders/rays`. None is optimised: `src/spirv` makes of each what a scene needs before a driver sees it. A shader
 //! is compiled again only when its text, or that of a file it includes, has changed, comments aside.
 
@@ -11,15 +11,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-#[allow(dead_code)]
-#[path = "src/integrator.rs"]
-mod integrator;
 #[allow(dead_code, unused_imports)]
 #[path = "src/layout/mod.rs"]
 mod layout;
 #[allow(dead_code)]
 #[path = "src/spirv/mod.rs"]
 mod spirv;
+#[allow(dead_code)]
+#[path = "src/techniques/table.rs"]
+mod table;
 
 /// One SPIR-V module to make.
 struct Variant {
@@ -44,13 +44,13 @@ fn files_in(folder: &str) -> Vec<String> {
 fn variants() -> Vec<Variant> {
     let mut all = Vec::new();
     for backend in layout::backend::BACKENDS {
-        for row in integrator::INTEGRATORS {
+        for row in table::TECHNIQUES {
             for pass in row.passes {
                 all.push(Variant {
-                    name: format!("{}.{}.{}", row.name, pass.name, backend.name),
-                    file: format!("integrators/{}", row.file),
+                    name: row.module(pass, backend.name),
+                    file: row.file.to_owned(),
                     backend,
-                    define: Some(format!("PASS_{}", pass.name.to_uppercase().replace('-', "_"))),
+                    define: Some(pass.define()),
                 });
             }
         }
@@ -198,8 +198,14 @@ fn run() -> Result<(), String> {
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));
-    for source in ["build.rs", "src/integrator.rs", "src/layout", "src/spirv"] {
+    for source in ["build.rs", "src/layout", "src/spirv", "src/techniques/table.rs"] {
         println!("cargo:rerun-if-changed={source}");
+    }
+    for family in files_in("src/techniques") {
+        let row = format!("src/techniques/{family}/row.rs");
+        if Path::new(&row).exists() {
+            println!("cargo:rerun-if-changed={row}");
+        }
     }
 
     // Compiling takes a tenth of a second each: every core takes the next one until none is left.

@@ -1,6 +1,6 @@
 //! lumbre: a light-transport laboratory on raw Vulkan.
 //!
-//! One program, and this library under it, renders a scene with any technique of its [table](integrator::INTEGRATORS) on
+//! One program, and this library under it, renders a scene with any technique of its [table](techniques::TECHNIQUES) on
 //! any Vulkan 1.3 device, through [ray queries or a compute BVH](layout::backend::BACKENDS), and says how long it took and how
 //! noisy the result is.
 //!
@@ -43,18 +43,16 @@ pub mod error;
 pub mod files;
 pub mod gpu;
 pub mod image;
-pub mod integrator;
 pub mod layout;
 pub mod lecture;
 pub mod rays;
 pub mod reference;
 pub mod render;
 pub mod report;
-pub mod sampler;
 pub mod scene;
 pub mod spirv;
 pub mod statistics;
-pub mod strategies;
+pub mod techniques;
 pub mod verify;
 
 pub use error::{Error, Result};

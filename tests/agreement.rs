@@ -5,12 +5,11 @@
 use crate::common::{assert_same_mean, average, backends, backends_in_time, canon, render, settings, truth, with_gpu};
 use lumbre::gpu::Gpu;
 use lumbre::image::metrics::compare;
-use lumbre::integrator::{Bias, INTEGRATORS, Solves};
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
-use lumbre::sampler::Sampler;
 use lumbre::scene::Scene;
+use lumbre::techniques::{Bias, Sampler, Solves, TECHNIQUES};
 
 const TILE: u32 = 16;
 
@@ -35,7 +34,7 @@ fn techniques_agree(name: &str, defines: &[(&str, &str)], spp: u32, all_on: fn(&
             // All are held against it: were it as noisy as they are, its own chance would be in all of their figures.
             let truth = Settings { seed: 1000, ..settings(&scene, reference, Backend::Bvh) };
             let truth = truth::truth(gpu, &format!("{}-{reference}", stem(name)), &scene, &truth, 16 * spp);
-            let mut variants: Vec<String> = INTEGRATORS
+            let mut variants: Vec<String> = TECHNIQUES
                 .iter()
                 .filter(|row| row.solves == solves && row.bias == Bias::Unbiased)
                 .map(|row| row.name.to_owned())
@@ -210,7 +209,7 @@ fn frames_and_repetition_change_no_bit() {
     let scene = canon("cornell_spheres.xml", &[("size", "40")]);
     with_gpu(|gpu| {
         for backend in backends(gpu) {
-            for row in INTEGRATORS {
+            for row in TECHNIQUES {
                 let settings = settings(&scene, row.name, backend);
                 let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
                 let mut film = |seed: u32, targets: std::ops::RangeInclusive<u32>| {

@@ -2,9 +2,9 @@
 
 use crate::common::{average, backends, backends_in_time, canon, render, settings, verify, with_gpu};
 use glam::DVec3;
-use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Solves};
 use lumbre::render::Technique;
 use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription, material};
+use lumbre::techniques::{Bias, Solves, TECHNIQUES, TechniqueRow};
 
 // Rows in their full form: more techniques and more samples than in the short one, which tests/verify.rs has on every backend each time.
 
@@ -39,18 +39,18 @@ fn sums() {
 }
 
 /// The techniques that account for everything.
-fn complete() -> impl Iterator<Item = &'static Integrator> {
+fn complete() -> impl Iterator<Item = &'static TechniqueRow> {
     unbiased().filter(|row| row.solves == Solves::Everything)
 }
 
 /// Those whose expectation is a closed form. What is only consistent has tests of its own.
-fn unbiased() -> impl Iterator<Item = &'static Integrator> {
-    INTEGRATORS.iter().filter(|row| row.bias == Bias::Unbiased)
+fn unbiased() -> impl Iterator<Item = &'static TechniqueRow> {
+    TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased)
 }
 
 /// Those that find all there is in a scene which the camera sees a tiny part of. Light tracing would, but next to none of its paths
 /// come there.
-fn thorough(scene: &Scene) -> Vec<&'static Integrator> {
+fn thorough(scene: &Scene) -> Vec<&'static TechniqueRow> {
     complete()
         .filter(|row| Technique::parse(row.name).unwrap().misses(scene).is_none() && row.name != "light")
         .collect()

@@ -7,14 +7,12 @@ use crate::common::program::{fails, render, works};
 use crate::common::{canon, has_time, settings, with_gpu};
 use lumbre::checkpoint::{Checkpoints, Header, Identity};
 use lumbre::gpu::Gpu;
-use lumbre::integrator::INTEGRATORS;
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, State};
-use lumbre::sampler::Sampler;
 use lumbre::scene::{Filter, LoadOptions, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::strategies::Strategies;
+use lumbre::techniques::{Sampler, Strategies, TECHNIQUES};
 
 const SPP: u32 = 3;
 
@@ -75,7 +73,7 @@ fn handed_over(gpu: &Gpu, scene: &Scene, settings: &Settings, seconds: Option<f6
 fn every_technique_goes_on_from_every_frame() {
     let scene = canon("cornell.xml", &[("size", "16")]);
     with_gpu(|gpu| {
-        for row in INTEGRATORS {
+        for row in TECHNIQUES {
             let name = if row.name == "radiosity" { "radiosity:patches=4" } else { row.name };
             let frames = handed_over(gpu, &scene, &settings(&scene, name, Backend::Bvh), None, name);
             println!("{name}: {frames} frames");

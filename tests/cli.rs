@@ -250,7 +250,7 @@ fn interrupt(technique: &str) {
 fn list_devices_and_info_describe() {
     let folder = tempfile::tempdir().unwrap();
     let list = works(folder.path(), &["list"]);
-    for row in lumbre::integrator::INTEGRATORS {
+    for row in lumbre::techniques::TECHNIQUES {
         assert!(list.contains(row.name) && list.contains(row.title), "{list}");
     }
     assert!(works(folder.path(), &["devices"]).contains("bvh"));

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use lumbre::integrator::{self, INTEGRATORS};
 use lumbre::lecture::{CHAPTERS, LANGUAGES};
+use lumbre::techniques::{self, TECHNIQUES};
 use roxmltree::{Document, Node};
 
 /// The lecture with hardly any work into `folder`.
@@ -122,7 +122,7 @@ fn the_page(chosen: impl Fn(&str) -> bool) {
 
     // Every chapter whose techniques are there, and no other one.
     for chapter in &chosen {
-        let there = chapter.needs.iter().all(|name| integrator::find(name).is_some());
+        let there = chapter.needs.iter().all(|name| techniques::find(name).is_some());
         assert_eq!(ids.contains(chapter.name), there, "{}", chapter.name);
     }
     let mut shown = HashSet::new();
@@ -268,7 +268,7 @@ fn readme_and_list_show_the_whole_table() {
     let listed = text(&listed.stdout);
     assert!(listed.lines().all(|line| line.chars().count() <= 100), "{listed}");
     let listed = listed.split_whitespace().collect::<Vec<_>>().join(" ");
-    for row in INTEGRATORS {
+    for row in TECHNIQUES {
         let line = readme
             .lines()
             .find(|line| line.starts_with(&format!("| `{}` |", row.name)) && line.contains(row.good_at))

@@ -11,7 +11,7 @@ use lumbre::gpu::Gpu;
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Building, Prediction, Probe, Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Mesh, Scene, SceneBuilder};
-use lumbre::strategies::Strategies;
+use lumbre::techniques::Strategies;
 
 /// Every scene of the canon.
 fn scenes() -> Vec<(String, Scene)> {

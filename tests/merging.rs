@@ -5,11 +5,11 @@ use crate::common::room::{LAMP, material_pairs, room, scene};
 use crate::common::{average, canon, has_time, render, settings, truth, with_gpu};
 use lumbre::gpu::Gpu;
 use lumbre::image::metrics::compare;
-use lumbre::integrator::{Bias, find};
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::Scene;
+use lumbre::techniques::{Bias, find};
 
 const SIZE: u32 = 64;
 const ALL: [&str; 5] = ["photon", "photon:direct=photons", "vcm", "vcm:form=bpm", "vcm:form=ppm"];

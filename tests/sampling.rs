@@ -4,7 +4,7 @@ use crate::common::sampling::{Mapped, random, random_from};
 use crate::common::with_gpu;
 use glam::Vec3;
 use lumbre::layout::RandomQuery;
-use lumbre::sampler::Sampler;
+use lumbre::techniques::Sampler;
 
 /// The first 2^m samples of a pixel are a (0, m, 2)-net in each pair of numbers (Niederreiter 1992, definition 4.1): every
 /// rectangle of area 2^-m whose sides are powers of two, at a multiple of them, holds exactly one. No two pairs are the same.

@@ -8,11 +8,9 @@ use std::time::Instant;
 use crate::common::alone::alone;
 use crate::common::{backends, canon, settings, with_gpu};
 use lumbre::error::Error;
-use lumbre::integrator::{INTEGRATORS, Kept};
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Renderer, Settings, State};
-use lumbre::sampler::{SAMPLERS, Sampler};
-use lumbre::strategies::Strategies;
+use lumbre::techniques::{Kept, SAMPLERS, Sampler, Strategies, TECHNIQUES};
 
 /// Seconds of a soak where nobody says.
 const SECONDS: f64 = 20.0;
@@ -59,7 +57,7 @@ fn resident() -> f64 {
 }
 
 fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Backend) -> Settings {
-    let row = random.of(&INTEGRATORS.iter().collect::<Vec<_>>());
+    let row = random.of(&TECHNIQUES.iter().collect::<Vec<_>>());
     let technique = match row.kept {
         Kept::Patches => random.of(&["radiosity:patches=4", "radiosity:patches=4:solver=shoot", "radiosity:patches=8"]),
         Kept::Chains => random.of(&[

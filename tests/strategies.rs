@@ -8,7 +8,7 @@ use lumbre::render::Settings;
 use lumbre::render::film::Film;
 use lumbre::scene::Scene;
 use lumbre::statistics::{Estimate, sidak, two_sided_p};
-use lumbre::strategies::Strategies;
+use lumbre::techniques::Strategies;
 
 const LONGEST: u32 = 4;
 const SEEDS: u32 = 16;

@@ -6,7 +6,6 @@ use crate::common::program::{errors, fails, lumbre, signal, start, works};
 use crate::common::{canon, scene_path, settings, with_gpu};
 use lumbre::gpu::Gpu;
 use lumbre::image::Image;
-use lumbre::integrator::Solves;
 use lumbre::layout::backend::Backend;
 use lumbre::reference::{
     Budget, Certificate, Kinds, Request, Series, Tile, TileMean, Truth, Witness, candidates, hold_against, make, read,
@@ -14,6 +13,7 @@ use lumbre::reference::{
 };
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
+use lumbre::techniques::Solves;
 
 const SIDE: &str = "64";
 const IMAGES: usize = 12;

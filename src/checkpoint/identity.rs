@@ -8,7 +8,7 @@ use crate::error::all_of;
 use crate::gpu::Gpu;
 use crate::render::{Settings, kernels_fingerprint};
 use crate::scene::Scene;
-use crate::strategies::Strategies;
+use crate::techniques::Strategies;
 
 /// Names and values of what the bits of an image depend on, besides the number of samples.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -8,10 +8,10 @@ use clap::Args;
 
 use lumbre::error::{Bytes, Result};
 use lumbre::gpu::{DeviceKind, Gpu};
-use lumbre::integrator::INTEGRATORS;
 use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::render::{KernelSize, Prediction, Settings, Technique, kernel_sizes};
 use lumbre::scene::Scene;
+use lumbre::techniques::TECHNIQUES;
 
 use super::render::{check_json, parse_size, write_json};
 use super::{DeviceArgs, SceneArgs, print, print_warnings};
@@ -84,7 +84,7 @@ fn predict(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Pred
 /// What the kernels of each technique, with the default values of its parameters, keep for the scene.
 fn kernels(scene: &Scene, device: DeviceKind) -> Result<Vec<KernelSize>> {
     let mut all = Vec::new();
-    for row in INTEGRATORS {
+    for row in TECHNIQUES {
         let settings = Settings::new(scene, Technique::parse(row.name)?, Backend::Bvh);
         all.extend(kernel_sizes(scene, &settings, device)?);
     }

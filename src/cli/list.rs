@@ -1,8 +1,7 @@
 //! `lumbre list`: the tables of techniques and samplers, in lines of at most 100 characters.
 
 use lumbre::error::{Result, all_of};
-use lumbre::integrator::{Bias, INTEGRATORS, Integrator, Values};
-use lumbre::sampler::SAMPLERS;
+use lumbre::techniques::{Bias, SAMPLERS, TECHNIQUES, TechniqueRow, Values};
 
 use super::print;
 
@@ -12,7 +11,7 @@ const INDENT: usize = 15;
 const WIDTH: usize = 100;
 
 pub(super) fn run() -> Result<()> {
-    for row in INTEGRATORS {
+    for row in TECHNIQUES {
         print(&format!("{:<14} {}", row.name, row.title));
         for (what, text) in about(row) {
             print(&indented(&format!("{what:<10}"), &text));
@@ -34,7 +33,7 @@ pub(super) fn run() -> Result<()> {
 }
 
 /// What the table says of a technique, each with its label.
-fn about(row: &Integrator) -> Vec<(&'static str, String)> {
+fn about(row: &TechniqueRow) -> Vec<(&'static str, String)> {
     let bias = match row.bias {
         Bias::Unbiased => String::from("unbiased"),
         Bias::Biased(why) => format!("biased: {why}"),

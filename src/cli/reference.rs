@@ -10,9 +10,9 @@ use indicatif::ProgressBar;
 use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
 use lumbre::image::{Format, format_of};
-use lumbre::integrator::Solves;
 use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
+use lumbre::techniques::Solves;
 
 use super::render::{
     Depth, bar_on_terminal, check_json, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json,

@@ -18,12 +18,10 @@ use lumbre::error::{Error, Result, one_of};
 use lumbre::files::{check_writable, replace_file};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
-use lumbre::integrator::{Kept, Missing};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
-use lumbre::sampler::{SAMPLERS, Sampler};
 use lumbre::scene::Scene;
 use lumbre::spirv::Arithmetic;
-use lumbre::strategies::{LONGEST, Strategies};
+use lumbre::techniques::{Kept, LONGEST, Missing, SAMPLERS, Sampler, Strategies};
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
 use keep::Keeper;

@@ -16,7 +16,7 @@ mod view;
 use crate::bench::results::Device;
 use crate::error::{Error, Result, one_of};
 use crate::files::replace_file;
-use crate::integrator;
+use crate::techniques;
 
 pub use chapters::CHAPTERS;
 pub use command::Scale;
@@ -44,7 +44,7 @@ impl Chapter {
 
     /// Whether the table has all techniques that it is about.
     pub fn is_there(&self) -> bool {
-        self.needs.iter().all(|name| integrator::find(name).is_some())
+        self.needs.iter().all(|name| techniques::find(name).is_some())
     }
 }
 
@@ -95,7 +95,7 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), CHAPTERS.len());
         for needed in CHAPTERS.iter().flat_map(|chapter| chapter.needs) {
-            assert!(integrator::find(needed).is_some(), "no technique {needed}");
+            assert!(techniques::find(needed).is_some(), "no technique {needed}");
         }
         assert_eq!(choose(&[]).unwrap().len(), CHAPTERS.iter().filter(|chapter| chapter.is_there()).count());
         let error = choose(&[String::from("nothing")]).err().unwrap().to_string();

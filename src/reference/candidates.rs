@@ -1,8 +1,8 @@
 //! Which techniques may make or check a reference of a scene.
 
-use crate::integrator::{Bias, INTEGRATORS, Integrator, Missing, Solves};
 use crate::render::{Settings, Technique};
 use crate::scene::Scene;
+use crate::techniques::{Bias, Missing, Solves, TECHNIQUES, TechniqueRow};
 
 /// A technique that can make a reference.
 #[derive(Clone, Debug)]
@@ -36,15 +36,15 @@ impl Candidate {
 /// solves. So techniques of full transport make those references too.
 pub fn candidates(scene: &Scene, solves: Solves, settings: &Settings) -> Vec<Candidate> {
     let diffuse = scene.not_diffuse().is_empty();
-    let depth = |row: &Integrator| match (row.solves, solves) {
+    let depth = |row: &TechniqueRow| match (row.solves, solves) {
         (own, wanted) if own == wanted => Some(settings.max_depth),
         (Solves::Everything, Solves::Direct) => Some(Some(settings.max_depth.map_or(2, |depth| depth.min(2)))),
         (Solves::Everything, Solves::Diffuse) if diffuse => Some(settings.max_depth),
         _ => None,
     };
-    let unbiased_exists = INTEGRATORS.iter().any(|row| row.referee && depth(row).is_some() && !is_biased(row));
+    let unbiased_exists = TECHNIQUES.iter().any(|row| row.referee && depth(row).is_some() && !is_biased(row));
     let mut found = Vec::new();
-    for row in INTEGRATORS.iter().filter(|row| row.referee && !row.misses.contains(&Missing::DeltaLights)) {
+    for row in TECHNIQUES.iter().filter(|row| row.referee && !row.misses.contains(&Missing::DeltaLights)) {
         let Some(max_depth) = depth(row) else { continue };
         if is_biased(row) && unbiased_exists {
             continue;
@@ -70,6 +70,6 @@ pub(super) fn split(all: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
     all.into_iter().partition(|candidate| !(enough && candidate.is_consistent))
 }
 
-fn is_biased(row: &Integrator) -> bool {
+fn is_biased(row: &TechniqueRow) -> bool {
     matches!(row.bias, Bias::Biased(_))
 }

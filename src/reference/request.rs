@@ -4,9 +4,9 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::integrator::Solves;
 use crate::render::Settings;
 use crate::scene::Scene;
+use crate::techniques::Solves;
 
 /// How long it may take.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,15 +11,14 @@
 use std::time::Duration;
 
 use super::frames;
-use super::settings::{Settings, Technique};
 use super::state::State;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::Kept;
 use crate::layout::{
     BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address,
 };
 use crate::statistics::Estimate;
+use crate::techniques::{Kept, Settings, Technique};
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;

@@ -5,7 +5,7 @@ use crate::image::metrics::RELATIVE_FLOOR;
 use crate::image::metrics::pixels::{HEAVY_TAIL, worst_share};
 use crate::layout::FilmPixel;
 use crate::statistics::Estimate;
-use crate::strategies::Strategy;
+use crate::techniques::Strategy;
 
 /// Sums of the samples of each pixel, row by row from the upper left.
 #[derive(Clone, Debug, Default)]

@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use super::settings::Settings;
 use super::upload::Uploaded;
 use crate::error::Result;
 use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
-use crate::integrator::Pass;
 use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
-use crate::sampler::Sampler;
 use crate::scene::Scene;
+use crate::techniques::{Pass, Sampler, Settings};
 
 /// A pipeline, specialised to a scene, and the scene on the device.
 pub(super) struct Kernel {
@@ -117,7 +115,7 @@ fn constants(
 /// The names of the modules of a rendering's passes, in their order.
 pub(super) fn module_names(settings: &Settings) -> Vec<String> {
     let row = settings.technique.row;
-    let name = |pass: &Pass| format!("{}.{}.{}", row.name, pass.name, settings.backend.name());
+    let name = |pass: &Pass| row.module(pass, settings.backend.name());
     settings.technique.passes().map(name).collect()
 }
 

@@ -6,12 +6,10 @@ use super::chains::ChainSize;
 use super::frames::slots;
 use super::radiosity;
 use super::scratch::ScratchSize;
-use super::settings::Settings;
 use super::upload::most_in_part;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
 use crate::gpu::accel::{self, BuildSizes};
-use crate::integrator::Kept;
 use crate::layout::backend::Backend;
 use crate::layout::{
     self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
@@ -19,6 +17,7 @@ use crate::layout::{
 };
 use crate::scene::patches::Quartered;
 use crate::scene::{Filter, Scene};
+use crate::techniques::{Kept, Settings};
 
 /// Bytes of one pixel of one layer by path length: two sums of three floats.
 pub(super) const LAYER_PIXEL_BYTES: u64 = 2 * VEC3_BYTES as u64;

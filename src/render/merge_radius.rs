@@ -5,8 +5,8 @@
 
 use std::cell::Cell;
 
-use super::settings::Technique;
 use crate::scene::Scene;
+use crate::techniques::Technique;
 
 /// Where the samples of one rendering stand among those of several that are to have one mean: sample `k` gets the radius of sample
 /// `first + k * stride`, times `scale`. So many renderings together shrink it as one long one would.

@@ -15,7 +15,6 @@ mod patch_report;
 mod probe;
 mod radiosity;
 mod scratch;
-mod settings;
 mod spent;
 mod state;
 mod target;
@@ -26,19 +25,19 @@ use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use crate::techniques::{Settings, Technique};
 pub use memory::{Part, Prediction};
 pub use patch_report::PatchReport;
 pub use probe::Probe;
-pub use settings::{Settings, Technique};
 pub use spent::{Spent, spent};
 
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::{self, Kept, Over, Pass};
 use crate::layout::{BAD_SAMPLES, Chain, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::scene::patches::Quartered;
+use crate::techniques::{self, Kept, Over, Pass};
 use chains::Chains;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
@@ -127,7 +126,7 @@ impl Renderer {
         let kernels = while_compiling(watch, || Kernel::several(gpu, scene, settings, &names, &uploaded))?;
         let passes: Vec<_> = taking_part.iter().map(|pass| **pass).zip(kernels).collect();
         let scratch = Scratch::new(gpu, settings)?;
-        let stages = integrator::stages(taking_part.into_iter());
+        let stages = techniques::stages(taking_part.into_iter());
         let radiosity = match row.kept {
             Kept::Patches => {
                 let quartered = Quartered::These(HashSet::new());

@@ -60,7 +60,7 @@ impl Renderer {
             round: frame.round,
             ..self.constants(Frame::NOTHING)
         };
-        let pass = self.passes.iter().find(|(pass, _)| pass.name == frame.task.pass());
+        let pass = self.passes.iter().find(|(pass, _)| *pass == frame.task.pass());
         let (Some((_, kernel)), tally) = (pass, &self.tally) else { return Ok(false) };
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let work = format!("{} patches from {}, round {}", frame.count, frame.first, frame.round);

@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use super::frames::FRAME;
 use super::patch_report::PatchReport;
-use super::settings::Settings;
 use super::state::State;
 use super::upload::Uploaded;
 use crate::error::Result;
@@ -18,6 +17,7 @@ use crate::layout::{
 use crate::scene::Scene;
 use crate::scene::light::triangle_area;
 use crate::scene::patches::{PatchMesh, Quartered};
+use crate::techniques::{Pass, Settings, radiosity_passes};
 
 /// The most rays of a patch in a round, where their number follows that of pixels.
 const MOST_RAYS: u64 = 64;
@@ -113,13 +113,13 @@ impl Task {
     const ALL: [Self; 5] = [Self::Albedo, Self::Gather, Self::Shoot, Self::Collect, Self::Vertices];
 
     /// The pass that does it.
-    pub fn pass(self) -> &'static str {
+    pub fn pass(self) -> Pass {
         match self {
-            Self::Albedo => "albedo",
-            Self::Gather => "gather",
-            Self::Shoot => "shoot",
-            Self::Collect => "collect",
-            Self::Vertices => "vertices",
+            Self::Albedo => radiosity_passes::ALBEDO,
+            Self::Gather => radiosity_passes::GATHER,
+            Self::Shoot => radiosity_passes::SHOOT,
+            Self::Collect => radiosity_passes::COLLECT,
+            Self::Vertices => radiosity_passes::VERTICES,
         }
     }
 }

@@ -2,12 +2,11 @@
 //! find these in. All are bounded whatever the image's size: a frame is cut so that it fits, or a sample has fewer light paths.
 
 use super::frames::{Room, slots};
-use super::settings::Settings;
 use super::state::State;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::integrator::Kept;
 use crate::layout::{BIDIRECTIONAL_LENGTH, FIXED_RGB_BYTES, GridCell, LightVertex, WORKGROUP};
+use crate::techniques::{Kept, Settings};
 
 /// Bytes of splats that more than one sample per frame may take.
 const SPLAT_BYTES: u64 = 64 << 20;

@@ -6,7 +6,6 @@ use std::time::Instant;
 use glam::{DAffine3, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
-use super::settings::Settings;
 use super::watch::{Building, Watch};
 use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
@@ -19,6 +18,7 @@ use crate::layout::{
 };
 use crate::scene::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
+use crate::techniques::Settings;
 
 /// Pixel samples from which on it pays to compile a tiny scene's triangles into the kernel.
 const INLINE_WORTHWHILE: u64 = 1 << 20;

@@ -6,8 +6,8 @@ use super::sampling::chi_square_z;
 use crate::error::Result;
 use crate::layout::RandomQuery;
 use crate::render::{Probe, Settings};
-use crate::sampler::{SAMPLERS, Sampler};
 use crate::scene::SceneBuilder;
+use crate::techniques::{SAMPLERS, Sampler};
 
 /// The four numbers, then the maps of the first two.
 type Mapped = [f32; 14];

@@ -12,7 +12,7 @@ use super::figure::{Figure, Worst};
 use crate::error::Result;
 use crate::render::film::StrategyLayers;
 use crate::render::{Probe, Settings};
-use crate::strategies::{LONGEST, Strategies, Strategy};
+use crate::techniques::{LONGEST, Strategies, Strategy};
 
 /// Vertices of a path that fit into an answer.
 const MOST: usize = 8;

@@ -6,12 +6,12 @@ use super::figure::Figure;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::image::{Picture, write_picture};
-use crate::integrator::{Bias, INTEGRATORS, Integrator, Kept, Solves};
 use crate::layout::backend::Backend;
 use crate::render::film::Film;
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
 use crate::statistics::{Estimate, sidak, two_sided_p};
+use crate::techniques::{Bias, Kept, Solves, TECHNIQUES, TechniqueRow};
 use crate::verify::tiles::{LargestZ, average, largest_z};
 
 /// How much is measured.
@@ -141,13 +141,13 @@ impl<'a> Run<'a> {
 
     /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, what paths from the lights bring
     /// needs no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
-    pub(super) fn unbiased(&self) -> Vec<&'static Integrator> {
+    pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
-        let short = |row: &Integrator| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
-        let camera = |row: &Integrator| !(row.splats || row.kept != Kept::Nothing);
-        let full = |row: &Integrator| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
-        let fits = |row: &&Integrator| if self.is_short() { short(row) } else { full(row) };
-        INTEGRATORS.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
+        let short = |row: &TechniqueRow| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
+        let camera = |row: &TechniqueRow| !(row.splats || row.kept != Kept::Nothing);
+        let full = |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
+        let fits = |row: &&TechniqueRow| if self.is_short() { short(row) } else { full(row) };
+        TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
     }
 
     /// Of those, the ones that find all there is in a scene of which the camera sees a tiny part. Light tracing would, but next to
@@ -164,8 +164,7 @@ impl<'a> Run<'a> {
     /// radius, `vcm` also by merges alone. One backend is enough.
     pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
         let asked = self.is_long() && self.backend == Backend::Bvh;
-        let rows =
-            INTEGRATORS.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
+        let rows = TECHNIQUES.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
         let merges = asked.then_some("vcm:form=bpm");
         rows.map(|row| row.name).chain(merges).filter(|name| finds_all(name, scene)).collect()
     }

@@ -8,10 +8,10 @@ use super::run::differing;
 use super::{Run, room};
 use crate::error::Result;
 use crate::image::{Image, Picture, read_image, write_picture};
-use crate::integrator::{INTEGRATORS, Integrator, Kept};
 use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Scene, SceneBuilder};
+use crate::techniques::{Kept, TECHNIQUES, TechniqueRow};
 use crate::verify::tiles::average;
 
 /// A light that fills the image.
@@ -47,9 +47,9 @@ pub(super) fn long_sums(run: &mut Run) -> Result<()> {
 pub(super) fn layers(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
     // Layers of what paths from the lights bring need no second backend.
-    let all = run.pick(INTEGRATORS.len(), 4);
-    let here = |row: &&Integrator| run.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
-    for row in INTEGRATORS.iter().take(all).filter(here).collect::<Vec<_>>() {
+    let all = run.pick(TECHNIQUES.len(), 4);
+    let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
+    for row in TECHNIQUES.iter().take(all).filter(here).collect::<Vec<_>>() {
         let settings = run.settings(&scene, row.name)?;
         let layered = run.render(&scene, &Settings { lengths: 5, ..settings.clone() }, 16)?;
         let plain = run.render(&scene, &settings, 16)?.mean();

@@ -6,9 +6,9 @@ use lumbre::gpu::Gpu;
 use lumbre::layout::RandomQuery;
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Probe, Settings};
-use lumbre::sampler::Sampler;
 use lumbre::scene::material::{self, MaterialDescription};
 use lumbre::scene::{Scene, SceneBuilder, SurfaceDescription};
+use lumbre::techniques::Sampler;
 
 #[allow(unused_imports)]
 pub use lumbre::verify::sampling::{Rings, chi_square_z, direction, spread};

@@ -5,11 +5,10 @@ use std::collections::HashSet;
 use lumbre::bench::{Lumbre, Variant};
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::Gpu;
-use lumbre::integrator::{Bias, Solves};
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Settings, Technique};
-use lumbre::sampler::Sampler;
 use lumbre::scene::{LightSelection, Scene};
+use lumbre::techniques::{Bias, Sampler, Solves};
 
 use super::super::choose_backend;
 use super::Entry;

@@ -19,11 +19,11 @@ use lumbre::error::{Error, Result};
 use lumbre::files::{check_writable, replace_file};
 use lumbre::gpu::Gpu;
 use lumbre::image::{Image, Picture, write_picture};
-use lumbre::integrator::Solves;
 use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
 use lumbre::statistics::CONFIDENCE;
+use lumbre::techniques::Solves;
 
 use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
 use super::{DeviceArgs, choose_backend, parse_define, print, print_warnings};

@@ -3,7 +3,7 @@
 
 use lumbre::image::Image;
 use lumbre::render::film::Film;
-use lumbre::strategies::Strategy;
+use lumbre::techniques::Strategy;
 
 /// Pixels between pictures, and around all.
 const GAP: usize = 6;

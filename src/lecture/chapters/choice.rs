@@ -4,8 +4,8 @@ use super::contest::{self, EQUAL_TIME};
 use super::scenes::{CORNELL, DOOR, LAMPS, REFLECTED, RING, Room, SMALL_LIGHT, SPHERES};
 use super::spanish;
 use super::*;
-use crate::integrator::{Bias, INTEGRATORS, Integrator};
 use crate::report::html::escape;
+use crate::techniques::{Bias, TECHNIQUES, TechniqueRow};
 
 pub const CHAPTER: Chapter = Chapter {
     name: "choice",
@@ -61,7 +61,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
         text("good at", "buena para"),
         text("bad at", "mala para"),
     ];
-    let rows: Vec<Vec<Text>> = INTEGRATORS.iter().map(row).collect();
+    let rows: Vec<Vec<Text>> = TECHNIQUES.iter().map(row).collect();
     sheet.raw("<div class=\"prose-table\">");
     sheet.table(&heads, &rows);
     sheet.raw("</div>\n");
@@ -86,7 +86,7 @@ fn ratios(sheet: &mut Sheet, rooms: &[(Text, Vec<contest::Entry>)], error: impl 
     sheet.table(&heads, &rows);
 }
 
-fn row(row: &Integrator) -> Vec<Text> {
+fn row(row: &TechniqueRow) -> Vec<Text> {
     let bias = match row.bias {
         Bias::Unbiased => String::from("unbiased"),
         Bias::Biased(why) => format!("biased: {why}"),

@@ -6,9 +6,9 @@ use super::scenes::Room;
 use crate::error::Result;
 use crate::image::Image;
 use crate::image::metrics::RELATIVE_FLOOR;
-use crate::integrator;
 use crate::lecture::lab::Lab;
 use crate::lecture::run::{Compared, Run};
+use crate::techniques;
 
 /// Seconds of rendering that each technique gets.
 pub const EQUAL_TIME: f64 = 3.0;
@@ -27,7 +27,7 @@ pub struct Entry {
 
 /// The techniques that compete.
 pub fn techniques() -> impl Iterator<Item = &'static str> {
-    TECHNIQUES.into_iter().filter(|name| integrator::find(name).is_some())
+    TECHNIQUES.into_iter().filter(|name| techniques::find(name).is_some())
 }
 
 /// One technique.

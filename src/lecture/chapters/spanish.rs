@@ -112,11 +112,11 @@ pub fn of(name: &str) -> Option<Words> {
 
 #[cfg(test)]
 mod tests {
-    use crate::integrator::INTEGRATORS;
+    use crate::techniques::TECHNIQUES;
 
     #[test]
     fn every_technique_has_spanish_words() {
-        for row in INTEGRATORS {
+        for row in TECHNIQUES {
             assert!(super::of(row.name).is_some(), "src/lecture/chapters/spanish.rs lacks {}", row.name);
         }
     }

@@ -4,7 +4,7 @@ use super::scenes::SPHERES;
 use super::*;
 use crate::lecture::run::average;
 use crate::lecture::sheet::figure_of_percent;
-use crate::strategies::Strategies;
+use crate::techniques::Strategies;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "strategies",

@@ -1,0 +1,27 @@
+//! The row of light tracing.
+
+use super::{Bias, Chance, Kept, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
+
+/// Traces light paths and splats their vertices.
+pub const PATHS: Pass = pass("paths", Over::Pixels);
+
+/// Light tracing.
+pub const LIGHT: TechniqueRow = TechniqueRow {
+    name: "light",
+    title: "light tracing",
+    file: "integrators/light.glsl",
+    passes: &[PATHS, RESOLVE],
+    solves: Solves::Everything,
+    bias: Bias::Unbiased,
+    rr_depth: 5,
+    splats: true,
+    kept: Kept::Nothing,
+    misses: &[Missing::Unshowable],
+    by_chance: &[Chance::Reflections],
+    referee: true,
+    good_at: "caustics on matte surfaces, which the camera sees directly",
+    bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
+    measured: "22 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
+               `reflected_caustic`: the rest stays black",
+    parameters: &[],
+};

@@ -1,0 +1,31 @@
+//! The passes and parameters that techniques with a grid of light vertices share.
+
+use super::{Over, Parameter, Pass, Values, pass};
+
+/// Empties the cells of the grid, see `shaders/lib/grid_main.glsl`.
+pub const GRID_CLEAR: Pass = pass("grid-clear", Over::Cells);
+/// Counts the light vertices of each cell.
+pub const GRID_COUNT: Pass = pass("grid-count", Over::LightVertices);
+/// Gives each cell its run of places.
+pub const GRID_ALLOT: Pass = pass("grid-allot", Over::Cells);
+/// Puts each light vertex in a place of its cell.
+pub const GRID_FILL: Pass = pass("grid-fill", Over::LightVertices);
+
+/// Within which paths from the camera meet vertices of light paths, see `src/render/merge_radius.rs`.
+pub const RADIUS: Parameter = Parameter {
+    name: "radius",
+    about: "within which the first sample looks for light paths, as a share of the radius of all that does not emit; 0 is one over \
+            the root of the number of light paths in a sample, which is that of pixels where there is room",
+    values: Values::Number(0.0, 1.0, 0.0),
+    biased: None,
+    misses: &[],
+};
+
+/// How that shrinks.
+pub const ALPHA: Parameter = Parameter {
+    name: "alpha",
+    about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
+    values: Values::Number(0.01, 1.0, 2.0 / 3.0),
+    biased: Some(("1", "with alpha=1 its radius stays as it is")),
+    misses: &[],
+};

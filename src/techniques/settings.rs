@@ -1,0 +1,153 @@
+//! What to render with.
+
+use super::bidirectional::{LONGEST, Strategies};
+use super::sampler::{SAMPLERS, Sampler};
+use super::table::{Kept, TECHNIQUES};
+use super::technique::Technique;
+use crate::bvh::CHUNK;
+use crate::error::{Error, Result, one_of};
+use crate::gpu::Gpu;
+use crate::layout::backend::Backend;
+use crate::scene::camera::ImagePlane;
+use crate::scene::{Filter, Needs, Scene};
+use crate::spirv::Arithmetic;
+
+/// What to render with.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The technique and its parameters.
+    pub technique: Technique,
+    /// The ray backend.
+    pub backend: Backend,
+    /// Width of the image in pixels.
+    pub width: u32,
+    /// Height of the image in pixels.
+    pub height: u32,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Name or number of the camera; the first one where it is nothing.
+    pub camera: Option<String>,
+    /// Longest path in segments; nothing is no limit. 1 is emission only, 2 adds direct light.
+    pub max_depth: Option<u32>,
+    /// Segments after which Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Where uniform numbers come from.
+    pub sampler: Sampler,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Layers by path length; 0 for none. The last one also takes every longer path.
+    pub lengths: u32,
+    /// Layers by strategy, whose longest paths must be the longest there are.
+    pub strategies: Option<Strategies>,
+    /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
+    pub specialise: bool,
+    /// Give the driver whole modules and the values of their constants, rather than modules that hold no more than these leave: it takes
+    /// longer and gives the same bits.
+    pub driver_specialises: bool,
+    /// How the driver may treat arithmetic on floats.
+    pub arithmetic: Arithmetic,
+    /// Expected pixel samples: whether work that only pays off over many of them is worth it.
+    pub expected_samples: u64,
+    /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
+    pub chunk: usize,
+}
+
+impl Settings {
+    /// What the scene's file asks for, with a technique and a backend.
+    pub fn new(scene: &Scene, technique: Technique, backend: Backend) -> Self {
+        Self {
+            rr_depth: scene.technique.rr_depth.unwrap_or(technique.row.rr_depth),
+            technique,
+            backend,
+            width: scene.film.width,
+            height: scene.film.height,
+            filter: scene.film.filter,
+            camera: None,
+            max_depth: scene.technique.max_depth.unwrap_or(None),
+            sampler: SAMPLERS[0].sampler,
+            seed: 0,
+            lengths: 0,
+            strategies: None,
+            specialise: true,
+            driver_specialises: false,
+            arithmetic: Arithmetic::Free,
+            expected_samples: u64::MAX,
+            chunk: CHUNK,
+        }
+    }
+
+    /// Layers of the film besides the image itself.
+    pub fn layers(&self) -> u32 {
+        self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)
+    }
+
+    /// What the kernel models.
+    pub(crate) fn needs(&self, scene: &Scene) -> Needs {
+        if self.specialise { Needs::of(scene) } else { Needs::everything(scene) }
+    }
+
+    /// The rays of the image.
+    pub(crate) fn image_plane(&self, scene: &Scene) -> Result<ImagePlane> {
+        Ok(scene.camera(self.camera.as_deref())?.image_plane(self.width, self.height))
+    }
+
+    /// Fails where they make no sense, or the device lacks the backend.
+    pub(crate) fn check(&self, gpu: &Gpu, scene: &Scene) -> Result<()> {
+        gpu.require(self.backend)?;
+        let bad = |what: String| Err(Error::Usage(what));
+        if self.width == 0 || self.height == 0 || self.width > 65536 || self.height > 65536 {
+            return bad(format!(
+                "an image of {}x{} pixels: width and height must be 1 to 65536",
+                self.width, self.height
+            ));
+        }
+        let row = self.technique.row;
+        if row.splats && !gpu.limits().int64_atomics {
+            let others = TECHNIQUES.iter().filter(|row| !row.splats).map(|row| row.name);
+            return bad(format!(
+                "{} needs the feature shaderBufferInt64Atomics, which {} lacks; valid there are {}",
+                row.name,
+                gpu.survey().name,
+                one_of(others)
+            ));
+        }
+        if self.technique.value("solver") == Some("shoot") && !gpu.limits().int64_atomics {
+            return bad(format!(
+                "radiosity:solver=shoot needs the feature shaderBufferInt64Atomics, which {} lacks; solver=gather does without",
+                gpu.survey().name
+            ));
+        }
+        if let Some(strategies) = self.strategies {
+            let combining = TECHNIQUES.iter().filter(|row| row.kept == Kept::Paths).map(|row| row.name);
+            if row.kept != Kept::Paths {
+                return bad(format!("--strategies with {}: valid is it with {}", row.name, one_of(combining)));
+            }
+            let longest = strategies.longest;
+            if !(1..=LONGEST).contains(&longest) || self.max_depth.is_none_or(|depth| depth > longest) {
+                return bad(format!(
+                    "layers by strategy (--strategies) for {longest} segments: they must be all that paths may have, 1 to {LONGEST}"
+                ));
+            }
+            if strategies != Strategies::of(longest, scene.camera(self.camera.as_deref())?) {
+                return bad(String::from(
+                    "layers by strategy of a camera with a lens, or of one without: the other is used",
+                ));
+            }
+            if self.lengths > 0 {
+                return bad(String::from(
+                    "layers by strategy (--strategies) and by path length (--lengths): choose one",
+                ));
+            }
+        }
+        if row.kept == Kept::Chains && self.sampler != SAMPLERS[0].sampler {
+            return bad(format!(
+                "random numbers of {} are its chains' own: valid is --sampler {}",
+                row.name, SAMPLERS[0].name
+            ));
+        }
+        if self.lengths > 64 {
+            return bad(format!("{} layers by path length: 64 is the most", self.lengths));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,282 @@
+//! The table of techniques: the only place where a new one is announced.
+//!
+//! A technique has a row in its family's folder, which is listed here, and its shader. `build.rs` includes the same table and compiles
+//! a module for every row, pass and backend; the command line, the tests and the documentation iterate it.
+
+#[path = "bidirectional/row.rs"]
+pub mod bidirectional;
+#[path = "light/row.rs"]
+pub mod light;
+#[path = "merging/row.rs"]
+pub mod merging;
+#[path = "metropolis/row.rs"]
+pub mod metropolis;
+#[path = "path/row.rs"]
+pub mod path;
+#[path = "photon/row.rs"]
+pub mod photon;
+#[path = "radiosity/row.rs"]
+pub mod radiosity;
+
+/// What transport a technique accounts for; each kind is a part of the next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Solves {
+    /// Emission and light that was scattered once: paths of one and two segments.
+    Direct,
+    /// The same as the camera sees it by way of any number of mirrors and smooth glass.
+    Mirrored,
+    /// All of it between surfaces that are taken for diffuse.
+    Diffuse,
+    /// All of it: the rendering equation.
+    Everything,
+}
+
+impl Solves {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Direct => "emission and direct light",
+            Self::Mirrored => "emission and direct light, also as mirrors and smooth glass show them",
+            Self::Diffuse => "full light transport, all surfaces taken for diffuse",
+            Self::Everything => "full light transport",
+        }
+    }
+}
+
+/// How the expected image relates to the true one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bias {
+    /// The expected image is the true one at any number of samples.
+    Unbiased,
+    /// It is not, however many samples are taken; the text says what is missing.
+    Biased(&'static str),
+    /// It is not at any number of samples, but becomes so as that grows; the text says what is wrong until then.
+    Consistent(&'static str),
+}
+
+/// Light that a technique cannot find, however many samples are taken, in scenes that have it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// That of lights which no direction hits by chance.
+    DeltaLights,
+    /// What it becomes by way of mirrors and smooth glass.
+    DeltaCaustics,
+    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    HiddenDeltaCaustics,
+    /// What no path from a light can be shown to the camera from.
+    Unshowable,
+}
+
+impl Missing {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::DeltaLights => "the light of points, spots, projectors and parallel light",
+            Self::DeltaCaustics => "caustics of points, spots, projectors and parallel light",
+            Self::HiddenDeltaCaustics => {
+                "caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors and smooth glass"
+            }
+            Self::Unshowable => {
+                "the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"
+            }
+        }
+    }
+}
+
+/// Light that a technique finds, but only where a direction or a connection that was not aimed at it meets it by chance. Its samples are
+/// rare and bright then, and a variance that is estimated before there were some says nothing of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Chance {
+    /// What small lights become by way of mirrors and smooth glass.
+    Caustics,
+    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    HiddenCaustics,
+    /// What the camera sees by way of surfaces that are nearly smooth.
+    Reflections,
+    /// What glossy surfaces show of caustics.
+    GlossyCaustics,
+}
+
+impl Chance {
+    /// What it is, in words.
+    pub fn what(self) -> &'static str {
+        match self {
+            Self::Caustics => "caustics of small lights",
+            Self::HiddenCaustics => "caustics of small lights that the camera sees by way of mirrors and smooth glass",
+            Self::Reflections => "what the camera sees in surfaces that are nearly smooth",
+            Self::GlossyCaustics => "caustics of small lights on glossy surfaces",
+        }
+    }
+}
+
+/// What a pass runs over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Over {
+    /// The pixels of the image, each with a run of samples; a part of them in each frame. One that comes after a pass over
+    /// anything else begins a stage: its first frame waits until that has seen what all frames left.
+    Pixels,
+    /// All pixels, once they have all had their run of samples.
+    Image,
+    /// All places for vertices of light paths, likewise ([`Kept::Grid`]).
+    LightVertices,
+    /// All cells of the grid, likewise.
+    Cells,
+    /// The patches of the scene ([`Kept::Patches`]), between samples of the image and in frames of their own.
+    Patches,
+    /// Their vertices, likewise.
+    PatchVertices,
+}
+
+/// What is kept of paths from the lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// Nothing.
+    Nothing,
+    /// The vertices of each path, for the path from the camera of the same pixel and sample.
+    Paths,
+    /// Vertices of all paths of one sample, for all its paths from the camera to find in a grid: bytes of one, and how many of a
+    /// path.
+    Grid(u32, u32),
+    /// Markov chains, each with its current path. Frames of no samples make the paths that they may begin with.
+    Chains,
+    /// No paths, but what patches of the scene's surfaces have received.
+    Patches,
+}
+
+/// One dispatch of a technique: a constant of its family, by which its state and the renderer refer to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// The pass's name within its technique, see [`Pass::define`] and [`TechniqueRow::module`].
+    pub name: &'static str,
+    /// What it runs over.
+    pub over: Over,
+    /// The parameter's value with which it takes part; nothing is always.
+    pub with: Option<(&'static str, &'static str)>,
+}
+
+/// The values that a parameter takes.
+#[derive(Clone, Copy, Debug)]
+pub enum Values {
+    /// One of these words; the shader gets the index. The first one is the default.
+    Choice(&'static [&'static str]),
+    /// A number between the first two; the third is the default. The shader gets its bits.
+    Number(f32, f32, f32),
+}
+
+/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on up to the fourth. Further ones are for
+/// the host alone.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Its name on the command line: `-i technique:name=value`.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// What it may be.
+    pub values: Values,
+    /// The value that makes an unbiased technique biased, and what is wrong then.
+    pub biased: Option<(&'static str, &'static str)>,
+    /// What the technique cannot find with a value, besides what it never finds.
+    pub misses: &'static [(&'static str, Missing)],
+}
+
+/// One technique.
+#[derive(Clone, Copy, Debug)]
+pub struct TechniqueRow {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// Its name in the literature.
+    pub title: &'static str,
+    /// Its shader's path in `shaders/`.
+    pub file: &'static str,
+    /// Its passes, in the order in which a frame dispatches them.
+    pub passes: &'static [Pass],
+    /// What transport it accounts for.
+    pub solves: Solves,
+    /// How its expectation relates to the truth, with default parameters.
+    pub bias: Bias,
+    /// Segments after which Russian roulette may end a path, unless the scene or the command line says.
+    pub rr_depth: u32,
+    /// Whether its samples reach pixels as splats: then its last pass is `resolve`.
+    pub splats: bool,
+    /// What it keeps of paths from the lights.
+    pub kept: Kept,
+    /// What it cannot find in scenes that have it.
+    pub misses: &'static [Missing],
+    /// What it finds only by chance in scenes that have it.
+    pub by_chance: &'static [Chance],
+    /// Whether it may make and check references: its samples are independent, and no other row finds the same light in the same way and
+    /// sooner.
+    pub referee: bool,
+    /// The light that it is a good choice for.
+    pub good_at: &'static str,
+    /// The light that another technique is better for, and what it costs.
+    pub bad_at: &'static str,
+    /// A figure for both; README.md says from which measurements these are. Ratios are efficiencies, 1 / (relMSE x seconds).
+    pub measured: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [Parameter],
+}
+
+impl Pass {
+    /// The macro that is defined while the pass is compiled: `PASS_GRID_CLEAR`.
+    pub fn define(&self) -> String {
+        format!("PASS_{}", self.name.to_uppercase().replace('-', "_"))
+    }
+}
+
+impl TechniqueRow {
+    /// The name of the module of one pass for a backend: `vcm.grid-clear.bvh`.
+    pub fn module(&self, pass: &Pass, backend: &str) -> String {
+        format!("{}.{}.{backend}", self.name, pass.name)
+    }
+}
+
+/// A pass that always takes part.
+const fn pass(name: &'static str, over: Over) -> Pass {
+    Pass { name, over, with: None }
+}
+
+/// One that takes part where a parameter has this value.
+const fn pass_with(name: &'static str, over: Over, parameter: &'static str, value: &'static str) -> Pass {
+    Pass { name, over, with: Some((parameter, value)) }
+}
+
+const PIXELS: &[Pass] = &[pass("pixels", Over::Pixels)];
+
+/// The pass that adds splats to the film.
+const RESOLVE: Pass = pass("resolve", Over::Image);
+
+/// Every technique, in the order in which they are listed.
+pub const TECHNIQUES: &[TechniqueRow] = &[
+    path::DIRECT,
+    path::WHITTED,
+    path::PATH_IMPLICIT,
+    path::PATH,
+    path::PATH_RECURSIVE,
+    light::LIGHT,
+    bidirectional::BDPT,
+    bidirectional::VCM,
+    photon::PHOTON,
+    metropolis::MLT,
+    radiosity::RADIOSITY,
+];
+
+/// The stage of each of some passes: a pass over pixels begins another one where the pass before it was not over pixels.
+pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {
+    let mut stage = 0;
+    let mut before = Over::Pixels;
+    let next = |pass: &Pass| {
+        if matches!(pass.over, Over::Patches | Over::PatchVertices) {
+            return stage; // not in the frames of the image
+        }
+        stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);
+        before = pass.over;
+        stage
+    };
+    passes.map(next).collect()
+}
+
+/// The row of that name.
+pub fn find(name: &str) -> Option<&'static TechniqueRow> {
+    TECHNIQUES.iter().find(|row| row.name == name)
+}
