@@ -1,5 +1,5 @@
 //! Compiles every shader: technique x pass x backend from the table in `src/techniques/table.rs`, and the kernels in
-//! `shaders/test` and `shaders/rays`. None is optimised: `src/spirv` makes of each what a scene needs before a driver sees it. A shader
+//! `shaders/kernels`. None is optimised: `src/spirv` makes of each what a scene needs before a driver sees it. A shader
 //! is compiled again only when its text, or that of a file it includes, has changed, comments aside.
 
 use std::collections::{BTreeSet, HashMap};
@@ -55,14 +55,14 @@ fn variants() -> Vec<Variant> {
             }
         }
         for folder in ["test", "rays"] {
-            for kernel in files_in(&format!("shaders/{folder}")) {
+            for kernel in files_in(&format!("shaders/kernels/{folder}")) {
                 // What a driver traverses on its own cannot be counted.
                 if kernel == "count.glsl" && !backend.counts {
                     continue;
                 }
                 all.push(Variant {
                     name: format!("{folder}/{}.{}", kernel.trim_end_matches(".glsl"), backend.name),
-                    file: format!("{folder}/{kernel}"),
+                    file: format!("kernels/{folder}/{kernel}"),
                     backend,
                     define: None,
                 });

@@ -1,8 +1,8 @@
 // The one place that knows all lights: choosing one, sampling it as seen from a point, and the density of that when a
 // path hits a light by itself.
-#include "lib/frame.glsl"
-#include "lib/sampling.glsl"
-#include "lib/texture.glsl"
+#include "core/basis.glsl"
+#include "core/sampling.glsl"
+#include "core/texture.glsl"
 
 struct LightSample {
     vec3 wi;      // unit direction from the reference point to the light

@@ -1,10 +1,10 @@
 // The one place that knows all BSDFs. Directions are unit, point away from the surface, and are in the local shading
 // frame: wo towards where light goes in the end (the previous vertex of a camera path), wi towards where it comes from.
-#include "lib/frame.glsl"
-#include "lib/sampling.glsl"
-#include "lib/rng.glsl"
-#include "lib/texture.glsl"
-#include "lib/fresnel.glsl"
+#include "core/basis.glsl"
+#include "core/sampling.glsl"
+#include "core/rng.glsl"
+#include "core/texture.glsl"
+#include "materials/fresnel.glsl"
 
 struct BsdfSample {
     vec3 wi;
@@ -24,7 +24,7 @@ BsdfSample bsdf_open_sample(vec3 wi, float eta) { return BsdfSample(wi, vec3(0.0
 // None.
 BsdfSample bsdf_no_sample(vec3 wi) { return BsdfSample(wi, vec3(0.0), 0.0, false, 1.0, false); }
 
-#include "lib/microfacet.glsl"
+#include "materials/microfacet.glsl"
 #include "materials/diffuse.glsl"
 #include "materials/conductor.glsl"
 #include "materials/rough_conductor.glsl"

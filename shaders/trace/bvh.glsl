@@ -8,7 +8,7 @@
 // How far this backend's own intersection may be off for a triangle of this extent, beyond what triangle_margin says.
 float backend_margin(float extent) { return 0.0; }
 
-// What was tested so far, for the one kernel that counts (shaders/rays/count.glsl); the others are compiled without.
+// What was tested so far, for the one kernel that counts (shaders/kernels/rays/count.glsl); the others are compiled without.
 #ifdef COUNT_TRAVERSAL
 uint tested_nodes, tested_primitives;
 #define COUNT(counter, count) counter += count

@@ -5,7 +5,7 @@
 //
 // Unlike there, the distance comes from the triangle's plane: a ray that was moved off that plane then cannot meet it
 // again, and planes along the axes are exact however large the triangle is.
-#include "lib/triangle.glsl"
+#include "trace/triangle_plane.glsl"
 
 // A projection along the ray: two rows of a shear along the direction's largest component. Zeroes and ones are exact,
 // so each coordinate costs one rounded product.

@@ -82,7 +82,7 @@ shared_structs! {
         uv: vec2,
         /// Power that arrives there, W, over the density of the path.
         power: vec3,
-        /// Partial sums of multiple importance sampling, see `shaders/lib/bidirectional.glsl`.
+        /// Partial sums of multiple importance sampling, see `shaders/techniques/bidirectional/mis.glsl`.
         d_vcm: float,
         /// The same.
         d_vc: float,
@@ -256,7 +256,7 @@ shared_structs! {
         large_steps: uint,
     }
 
-    /// A vertex of a path that a chain mutates, from the camera (0) to the light: see `shaders/lib/path_vertices.glsl`.
+    /// A vertex of a path that a chain mutates, from the camera (0) to the light: see `shaders/techniques/metropolis/path_vertices.glsl`.
     pub struct PathVertex {
         /// Its position; where the kind is infinitely far, the unit direction there.
         position: vec3,
@@ -323,7 +323,7 @@ shared_structs! {
         blocked: uint,
     }
 
-    /// What traversal tested for a [`RayRecord`]: see `shaders/rays/count.glsl`.
+    /// What traversal tested for a [`RayRecord`]: see `shaders/kernels/rays/count.glsl`.
     pub struct TraversalCount {
         /// Nodes that were read until the nearest hit was known.
         closest_nodes: uint,

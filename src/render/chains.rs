@@ -6,7 +6,7 @@
 //! chains as it deserves if candidates have met it, and by next to none otherwise: there should be many, however few chains there are.
 //!
 //! Where a path brings much more than the mean, chains visit it less often than that, and each visit counts for more: its target is bounded
-//! (see `shaders/lib/chains.glsl`), so that no path holds a chain for longer than the image takes, and the mean has few surprises.
+//! (see `shaders/techniques/metropolis/chains.glsl`), so that no path holds a chain for longer than the image takes, and the mean has few surprises.
 
 use std::time::Duration;
 
@@ -394,7 +394,7 @@ impl Chains {
     }
 }
 
-/// Where a candidate is from, as `candidate_source` of `shaders/lib/chains.glsl` packs it.
+/// Where a candidate is from, as `candidate_source` of `shaders/techniques/metropolis/chains.glsl` packs it.
 struct Source {
     kind: usize,
     /// The kind of large steps that made it.

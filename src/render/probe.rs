@@ -1,4 +1,4 @@
-//! Running the kernels of `shaders/test` and `shaders/rays` over arrays: how tests and `lumbre rays` reach the shaders'
+//! Running the kernels of `shaders/kernels/test` and `shaders/kernels/rays` over arrays: how tests and `lumbre rays` reach the shaders'
 //! functions one by one.
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::gpu::{Buffer, Gpu, Work};
 use crate::layout::{FrameConstants, WORKGROUP, address};
 use crate::scene::Scene;
 
-/// A kernel of `shaders/test` or `shaders/rays` with the scene that it runs on.
+/// A kernel of `shaders/kernels/test` or `shaders/kernels/rays` with the scene that it runs on.
 pub struct Probe {
     gpu: Gpu,
     kernel: Kernel,

@@ -102,7 +102,7 @@ impl Filter {
     }
 
     /// The positions that divide the integral of its absolute value into `FILTER_CELLS` equal parts: `filter_offset` in
-    /// `shaders/lib/camera.glsl` draws a cell, then a place in it, and weights by the filter's value there.
+    /// `shaders/core/camera.glsl` draws a cell, then a place in it, and weights by the filter's value there.
     pub(crate) fn cells(&self) -> Vec<f32> {
         let (_, sums) = self.running_integrals();
         let step = 2.0 * self.radius() / STEPS as f64;

@@ -1,4 +1,4 @@
-//! Rough surfaces as the shaders have them (`shaders/lib/microfacet.glsl`), in double precision: for what is integrated
+//! Rough surfaces as the shaders have them (`shaders/materials/microfacet.glsl`), in double precision: for what is integrated
 //! over them once per material.
 
 use std::f64::consts::{PI, TAU};

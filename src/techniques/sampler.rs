@@ -1,6 +1,6 @@
 //! The table of samplers: where the uniform numbers that techniques draw come from.
 //!
-//! A sampler is one row here and its numbers in `shaders/lib/rng.glsl`. All of them are pure functions of seed, pixel, sample and
+//! A sampler is one row here and its numbers in `shaders/core/rng.glsl`. All of them are pure functions of seed, pixel, sample and
 //! dimension, and each number by itself is uniform whatever the sampler: techniques need not know which one they have.
 
 /// Where uniform numbers come from.

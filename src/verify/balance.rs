@@ -1,4 +1,4 @@
-//! What decides on mutations of paths, through `shaders/test/mutations.glsl`, against the densities by their definition.
+//! What decides on mutations of paths, through `shaders/kernels/test/mutations.glsl`, against the densities by their definition.
 //!
 //! A mutation from path x to path y is to be accepted with probability f(y) T(y to x) / (f(x) T(x to y)) (Hastings 1970), where f is what a path
 //! brings and T the density with which it is proposed, both per area at all vertices that scatter by no delta lobe. Here they are
@@ -13,7 +13,7 @@ use crate::render::{Probe, Renderer, Settings};
 /// Vertices of the longest path that is looked at.
 const MOST: usize = 9;
 
-/// The kinds of mutations, as `shaders/lib/path_mutations.glsl` has them.
+/// The kinds of mutations, as `shaders/techniques/metropolis/path_mutations.glsl` has them.
 const KINDS: [&str; 4] = ["large step", "bidirectional", "from the camera", "towards the camera"];
 
 /// Large steps that run until they meet a light do so surely as far as this vertex, and with this probability at each further one.

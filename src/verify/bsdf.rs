@@ -1,4 +1,4 @@
-//! Materials, through `shaders/test/bsdf.glsl`.
+//! Materials, through `shaders/kernels/test/bsdf.glsl`.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Random numbers, through `shaders/test/random.glsl`.
+//! Random numbers, through `shaders/kernels/test/random.glsl`.
 
 use super::Run;
 use super::figure::{Figure, Worst};

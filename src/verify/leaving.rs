@@ -1,4 +1,4 @@
-//! Rays that leave the surface that the ray before them has met, through `shaders/test/leave.glsl`.
+//! Rays that leave the surface that the ray before them has met, through `shaders/kernels/test/leave.glsl`.
 
 use glam::{DAffine3, DVec3, Vec3};
 

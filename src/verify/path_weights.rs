@@ -1,5 +1,5 @@
 //! The weights that `bdpt` gives to paths that it makes, against their definition: layers of strategies have a path by itself and weighted,
-//! `shaders/test/joined_paths.glsl` has its vertices.
+//! `shaders/kernels/test/joined_paths.glsl` has its vertices.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;

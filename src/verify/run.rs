@@ -134,7 +134,7 @@ impl<'a> Run<'a> {
         Ok(film)
     }
 
-    /// The kernel `shaders/test/<name>.glsl` for a scene.
+    /// The kernel `shaders/kernels/test/<name>.glsl` for a scene.
     pub(super) fn probe(&self, scene: &Scene, name: &str) -> Result<Probe> {
         Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
     }

@@ -1,4 +1,4 @@
-//! The weights of bidirectional strategies, through `shaders/test/strategies.glsl`, against their definition.
+//! The weights of bidirectional strategies, through `shaders/kernels/test/strategies.glsl`, against their definition.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use crate::scene::SceneBuilder;
 /// Vertices that a path of the test may have.
 const MOST: usize = 8;
 
-/// A path by its densities; see `shaders/test/strategies.glsl`.
+/// A path by its densities; see `shaders/kernels/test/strategies.glsl`.
 #[derive(Clone, Copy)]
 struct Query {
     vertices: f32,

@@ -15,7 +15,7 @@ pub use lumbre::verify::sampling::{Rings, chi_square_z, direction, spread};
 
 use super::settings;
 
-/// What `shaders/test/random.glsl` writes: the four numbers, then the maps of the first two.
+/// What `shaders/kernels/test/random.glsl` writes: the four numbers, then the maps of the first two.
 pub type Mapped = [f32; 14];
 
 pub fn random(gpu: &Gpu, queries: &[RandomQuery]) -> Vec<Mapped> {

@@ -9,7 +9,7 @@ pub const LIGHT: Pass = pass("light", Over::Pixels);
 /// Traces camera subpaths and connects them to light subpaths.
 pub const CAMERA: Pass = pass("camera", Over::Pixels);
 
-/// How strategies are weighed, see `shaders/lib/bidirectional.glsl`.
+/// How strategies are weighed, see `shaders/techniques/bidirectional/mis.glsl`.
 const WEIGHTS: Parameter = Parameter {
     name: "weights",
     about: "how the strategies for a path are combined: the power heuristic, the balance heuristic, or their plain mean",
@@ -22,7 +22,7 @@ const WEIGHTS: Parameter = Parameter {
 pub const BDPT: TechniqueRow = TechniqueRow {
     name: "bdpt",
     title: "bidirectional path tracing",
-    file: "integrators/bdpt.glsl",
+    file: "techniques/bidirectional/bdpt.glsl",
     passes: &[LIGHT, CAMERA, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Unbiased,
@@ -43,7 +43,7 @@ pub const BDPT: TechniqueRow = TechniqueRow {
 pub const VCM: TechniqueRow = TechniqueRow {
     name: "vcm",
     title: "vertex connection and merging",
-    file: "integrators/vcm.glsl",
+    file: "techniques/bidirectional/vcm.glsl",
     passes: &[LIGHT, GRID_CLEAR, GRID_COUNT, GRID_ALLOT, GRID_FILL, CAMERA, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),

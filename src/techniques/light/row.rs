@@ -9,7 +9,7 @@ pub const PATHS: Pass = pass("paths", Over::Pixels);
 pub const LIGHT: TechniqueRow = TechniqueRow {
     name: "light",
     title: "light tracing",
-    file: "integrators/light.glsl",
+    file: "techniques/light/light.glsl",
     passes: &[PATHS, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Unbiased,

@@ -2,7 +2,7 @@
 
 use super::{Over, Parameter, Pass, Values, pass};
 
-/// Empties the cells of the grid, see `shaders/lib/grid_main.glsl`.
+/// Empties the cells of the grid, see `shaders/core/grid_build.glsl`.
 pub const GRID_CLEAR: Pass = pass("grid-clear", Over::Cells);
 /// Counts the light vertices of each cell.
 pub const GRID_COUNT: Pass = pass("grid-count", Over::LightVertices);

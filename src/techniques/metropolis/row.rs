@@ -13,7 +13,7 @@ pub const PATHS: Pass = pass_with("paths", Over::Pixels, "form", "paths");
 pub const MLT: TechniqueRow = TechniqueRow {
     name: "mlt",
     title: "Metropolis light transport",
-    file: "integrators/mlt.glsl",
+    file: "techniques/metropolis/mlt.glsl",
     passes: &[PRIMARY, MULTIPLEXED, PATHS, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Consistent("the mean that all visits of its chains are scaled by is estimated from the same paths"),

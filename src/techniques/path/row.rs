@@ -6,7 +6,7 @@ use super::{Bias, Chance, Kept, Missing, PIXELS, Parameter, Solves, TechniqueRow
 pub const DIRECT: TechniqueRow = TechniqueRow {
     name: "direct",
     title: "direct lighting",
-    file: "integrators/direct.glsl",
+    file: "techniques/path/direct.glsl",
     passes: PIXELS,
     solves: Solves::Direct,
     bias: Bias::Unbiased,
@@ -32,7 +32,7 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
 pub const WHITTED: TechniqueRow = TechniqueRow {
     name: "whitted",
     title: "recursive ray tracing (Whitted)",
-    file: "integrators/whitted.glsl",
+    file: "techniques/path/whitted.glsl",
     passes: PIXELS,
     solves: Solves::Mirrored,
     bias: Bias::Unbiased,
@@ -75,7 +75,7 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
 pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     name: "path-implicit",
     title: "implicit path tracing (BSDF sampling only)",
-    file: "integrators/path_implicit.glsl",
+    file: "techniques/path/path_implicit.glsl",
     passes: PIXELS,
     solves: Solves::Everything,
     bias: Bias::Unbiased,
@@ -111,7 +111,7 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
 pub const PATH: TechniqueRow = TechniqueRow {
     name: "path",
     title: "explicit path tracing (next-event estimation with MIS)",
-    file: "integrators/path.glsl",
+    file: "techniques/path/path.glsl",
     passes: PIXELS,
     solves: Solves::Everything,
     bias: Bias::Unbiased,
@@ -132,7 +132,7 @@ pub const PATH: TechniqueRow = TechniqueRow {
 pub const PATH_RECURSIVE: TechniqueRow = TechniqueRow {
     name: "path-recursive",
     title: "explicit path tracing as the rendering equation recurses",
-    file: "integrators/path_recursive.glsl",
+    file: "techniques/path/path_recursive.glsl",
     passes: PIXELS,
     solves: Solves::Everything,
     bias: Bias::Unbiased,

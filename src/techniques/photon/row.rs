@@ -13,7 +13,7 @@ pub const CAMERA: Pass = pass("camera", Over::Pixels);
 pub const PHOTON: TechniqueRow = TechniqueRow {
     name: "photon",
     title: "progressive photon mapping",
-    file: "integrators/photon.glsl",
+    file: "techniques/photon/photon.glsl",
     passes: &[LIGHT, GRID_CLEAR, GRID_COUNT, GRID_ALLOT, GRID_FILL, CAMERA],
     solves: Solves::Everything,
     bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),

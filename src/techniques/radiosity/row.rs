@@ -19,7 +19,7 @@ pub const PIXELS: Pass = pass("pixels", Over::Pixels);
 pub const RADIOSITY: TechniqueRow = TechniqueRow {
     name: "radiosity",
     title: "radiosity by stochastic Jacobi iteration",
-    file: "integrators/radiosity.glsl",
+    file: "techniques/radiosity/radiosity.glsl",
     passes: &[ALBEDO, GATHER, SHOOT, COLLECT, VERTICES, PIXELS],
     solves: Solves::Diffuse,
     bias: Bias::Biased(

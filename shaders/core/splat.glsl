@@ -1,0 +1,57 @@
+// Contributions to any pixel from anywhere: 64-bit fixed-point sums, whose value does not depend on their order. One plane for each
+// sample of a dispatch; the pass `resolve` adds the planes to the film.
+#extension GL_EXT_shader_atomic_int64 : require
+#include "core/film.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
+
+// Beyond this many units a splat counts as not finite: a sum of 64 of them fits into 64 bits.
+const float LARGEST_SPLAT = 1.44e17; // 2^57
+
+uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
+
+Splat splat_of(uint pixel, uint sample_index, uint layer) {
+    uint64_t plane = uint64_t(sample_index - frame.first_sample);
+    uint64_t index = (plane * uint64_t(frame.width * frame.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
+    return Splat(unpack32(pack64(frame.splats) + uint64_t(FIXED_RGB_BYTES) * index));
+}
+
+// Adds what a path of `length` segments brings to a pixel in this sample.
+void splat(uint pixel, uint sample_index, uint length, vec3 value) {
+    vec3 units = value / scene.splat_unit;
+    if (!all(lessThan(abs(units), vec3(LARGEST_SPLAT)))) {
+        report_bad_sample(pixel, sample_index);
+        return;
+    }
+    Splat sums = splat_of(pixel, sample_index, LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u);
+    [[unroll]] for (uint i = 0u; i < 3u; i++) {
+        int64_t amount = int64_t(round(units[i]));
+        if (amount != 0l) atomicAdd(sums.channel[i], amount);
+    }
+}
+
+// The same for the strategy (s, t), by itself and with its weight among all.
+void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
+    uint k = s + t - 1u;
+    uint layer = (k - 1u) * (k + 2u) + 2u * s; // of shorter paths, then of fewer vertices from the light
+    if (CAMERA == CAMERA_THIN_LENS) layer += 2u * (max(k, 2u) - 2u); // t = 0 has one more for each length from 2
+    splat(pixel, sample_index, layer + 1u, value);
+    splat(pixel, sample_index, layer + 2u, value * weight);
+}
+
+// Adds what a path from the camera has gathered to its own pixel.
+void splat_sample(Pixel pixel, Estimate e) {
+    if (HAS_STRATEGIES) return;
+    if (LENGTH_LAYERS == 0u) splat(pixel.index, pixel.sample_index, 1u, e.radiance * pixel.filter_weight);
+    for (uint i = 0u; i < LENGTH_LAYERS; i++) splat(pixel.index, pixel.sample_index, i + 1u, e.by_length[i] * pixel.filter_weight);
+}
+
+// The pixel of a position in the image by the pixel filter, whose weight multiplies `value`; NONE beside the image: what falls
+// there is lost, as it is for the camera.
+uint splat_pixel(vec2 position, vec2 u, inout vec3 value) {
+    float weight = 1.0;
+    int x = filter_pixel(position.x, u.x, weight), y = filter_pixel(position.y, u.y, weight);
+    if (x < 0 || y < 0 || x >= int(frame.width) || y >= int(frame.height)) return NONE;
+    value *= weight;
+    return uint(y) * frame.width + uint(x);
+}

@@ -1,0 +1,8 @@
+// `path`: explicit path tracing. At each vertex light is gathered twice, by sampling a light (next-event estimation) and
+// by the direction that the BSDF chooses anyway, and both are combined by multiple importance sampling (Veach 1997,
+// sections 9.2 and 10.2). Paths end by Russian roulette on their throughput. Unbiased.
+#version 460
+#include "core/prelude.glsl"
+#include "trace/trace.glsl"
+#include "techniques/path/explicit.glsl"
+#include "transport/lanes.glsl"

@@ -1,0 +1,103 @@
+// `whitted`: recursive ray tracing (Whitted 1980, "An improved illumination model for shaded display"). Light that came straight from a
+// light and was scattered once, as the camera sees it by way of any number of mirrors and smooth glass. Where glass or a coating both
+// reflects and refracts, the path branches; nothing else scatters further.
+//
+// branches=one follows one of the two by chance instead: the same image in the mean, by single paths.
+// lights=point takes the middle of each triangle or sphere for all of it, as the first ray tracers did: shadows are sharp.
+#version 460
+#include "core/prelude.glsl"
+#include "trace/trace.glsl"
+#include "transport/path.glsl"
+#include "transport/arrive.glsl"
+#include "lights/middle.glsl"
+
+const bool BRANCHES = PARAM0 == 0u;
+const bool POINT_LIGHTS = PARAM1 == 1u;
+uint shadow_rays() { return uint(uintBitsToFloat(PARAM2)); }
+
+// The recursion's stack: branches that wait for their turn. Each level of the tree leaves at most one; where there is no room, a path
+// follows one by chance.
+struct Branch {
+    Ray ray;
+    vec3 throughput, absorption;
+    float eta;
+    uint depth;
+    Cone cone;
+};
+const uint ROOM = 12u;
+Branch stack[ROOM];
+uint waiting = 0u;
+
+void put_aside(Path path) { stack[waiting++] = Branch(path.ray, path.throughput, path.absorption, path.eta, path.depth, path.cone); }
+
+// Takes up a branch that waits, with random numbers that nothing has used.
+void take_up(inout Path path) {
+    Branch branch = stack[--waiting];
+    path.ray = branch.ray;
+    path.from.position = branch.ray.origin;
+    path.throughput = branch.throughput;
+    path.absorption = branch.absorption;
+    path.eta = branch.eta;
+    path.depth = branch.depth;
+    path.cone = branch.cone;
+}
+
+// The two lobes between which u.z decides, each weighted by its own share; the second has no weight where there is one only.
+void lobes(Path path, Vertex v, Bsdf b, vec2 u, out BsdfSample first, out BsdfSample second) {
+    first = vertex_sample(v, b, path.ray, vec3(u, 0.0));
+    second = vertex_sample(v, b, path.ray, vec3(u, 1.0 - 2.0 * MACHINE_EPSILON));
+    first.weight *= first.pdf_w;
+    second.weight *= first.wi != second.wi ? second.pdf_w : 0.0;
+}
+
+bool has_two_lobes(Bsdf b) {
+    return is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC) || is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC) ||
+           is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC);
+}
+
+bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
+    if (!s.delta) return false;
+    path_scatter(path, v, b, s);
+    return path_survives(path, path.eta * path.eta, u);
+}
+
+// Light that is scattered by the vertex once.
+void gather_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
+    for (uint i = 0u; i < shadow_rays(); i++) {
+        vec4 u = next4(path.random);
+        Receiver r = vertex_receiver(v, b);
+        LightSample light = no_light();
+        if (POINT_LIGHTS) light = light_middle_sample(r, u);
+        else light = light_sample(r, u);
+        vec3 wi = vertex_to_local(v, light.wi);
+        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight / float(shadow_rays());
+        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays));
+    }
+}
+
+// Follows one branch to its next vertex; false where it ends there.
+bool branch_extend(inout Path path, inout Estimate e) {
+    Vertex v;
+    vec3 emission;
+    if (!path_arrive(path, v, emission, e)) return false;
+    if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
+    Bsdf b = vertex_material(v, path.ray, path.random);
+    if (!bsdf_is_delta(b)) gather_lights(path, v, b, e);
+
+    vec4 u = next4(path.random);
+    if (!BRANCHES || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
+    BsdfSample first, second;
+    lobes(path, v, b, u.xy, first, second);
+    Path other = path;
+    if (goes_on(other, v, b, first, u.w)) put_aside(other);
+    return goes_on(path, v, b, second, u.z);
+}
+
+bool path_extend(inout Path path, inout Estimate e) {
+    if (branch_extend(path, e)) return true;
+    if (waiting == 0u) return false;
+    take_up(path);
+    return true;
+}
+
+#include "transport/lanes.glsl"
