@@ -8,7 +8,7 @@ use lumbre::layout::FILTER_NEAREST_BIT;
 use lumbre::layout::backend::Backend;
 use lumbre::render::Settings;
 use lumbre::render::film::Film;
-use lumbre::scene::mip_maps::{append_levels, level_count};
+use lumbre::scene::compile::mip_maps::{append_levels, level_count};
 use lumbre::scene::{LoadOptions, Needs, Scene};
 
 /// A number in 0..256 without a pattern.

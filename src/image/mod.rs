@@ -13,7 +13,7 @@ pub use decode::{Encoding, decode_texture, read_texture};
 pub use exr::{read_attribute, read_layer};
 pub use picture::{Format, NamedLayer, Picture, format_of, read_image, write_picture};
 pub(crate) use png::png_of;
-pub use srgb::{srgb_byte, srgb_to_linear};
+pub use srgb::{srgb_byte, srgb_table, srgb_to_linear};
 pub use texels::{Texels, TextureImage};
 
 /// An image of linear RGB, row by row from the upper left.

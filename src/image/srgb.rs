@@ -11,3 +11,8 @@ pub fn srgb_byte(linear: f32) -> u8 {
 pub fn srgb_to_linear(encoded: f32) -> f32 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
+
+/// The 256 values of an sRGB byte, which shaders look up.
+pub fn srgb_table() -> Vec<f32> {
+    (0..=255u8).map(|byte| srgb_to_linear(f32::from(byte) / 255.0)).collect()
+}

@@ -15,7 +15,7 @@ use crate::layout::{
     FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES, WORKGROUP, address,
 };
 use crate::scene::Scene;
-use crate::scene::light::triangle_area;
+use crate::scene::compile::light::triangle_area;
 use crate::scene::patches::{PatchMesh, Quartered};
 use crate::techniques::{Pass, Settings, radiosity_passes};
 

@@ -16,7 +16,7 @@ use crate::layout::{
     self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE,
     UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
-use crate::scene::light::{importance, power};
+use crate::scene::compile::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
 use crate::techniques::Settings;
 

@@ -27,7 +27,7 @@ impl Scene {
     }
 
     /// Fills in the media around the lights: an area light's is the one before its front.
-    pub(super) fn immerse_lights(&mut self) {
+    pub(in crate::scene) fn immerse_lights(&mut self) {
         let volumes = self.absorbing();
         if volumes.iter().all(|volume| volume.surface.is_empty()) {
             return;

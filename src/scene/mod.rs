@@ -1,39 +1,16 @@
 //! The scene as the renderer takes it: flat arrays, validated, in single precision around a nearby origin.
 //!
-//! Loaders describe what a file holds to a [`SceneBuilder`] in double precision; [`SceneBuilder::finish`] places it,
-//! drops what is degenerate, and checks the rest.
+//! A file becomes a scene in two steps: [`load`](load()) describes what it holds to a [`SceneBuilder`] in double precision, and
+//! [`SceneBuilder::finish`] ([`compile`]) places it, drops what is degenerate, and checks the rest.
 
-mod alias;
-mod builder;
-pub mod camera;
-pub mod compensation;
+pub mod compile;
+mod description;
 mod diffuse;
-mod environment;
-pub mod filter;
 mod fingerprint;
-mod flatten;
-pub mod gltf;
-pub mod light;
-mod light_table;
-mod light_tree;
-mod limits;
 pub mod load;
-pub mod material;
 mod medium;
-mod mesh;
-mod metals;
-pub mod microfacets;
-pub mod mip_maps;
-pub mod mitsuba;
 pub mod needs;
-pub mod obj;
 pub mod patches;
-mod placement;
-pub mod plastic;
-pub mod ply;
-mod serialized;
-mod spectrum;
-pub mod texture;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -41,12 +18,11 @@ use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3, Vec3};
 
-pub use builder::{Mask, SceneBuilder, Side, SurfaceDescription};
-pub use camera::Camera;
-pub use filter::Filter;
-pub use light_table::LightSelection;
+pub use description::{
+    Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
+    camera, filter, light, material, texture,
+};
 pub use load::{LoadOptions, load};
-pub use mesh::Mesh;
 pub use needs::Needs;
 
 use crate::bvh::{Bounds, primitive_bounds};
@@ -189,30 +165,6 @@ pub struct Instance {
     pub group: usize,
     /// World (relative to the scene's origin) from group.
     pub to_world: DAffine3,
-}
-
-/// The image that a scene file asks for.
-#[derive(Clone, Copy, Debug)]
-pub struct FilmSettings {
-    /// Width in pixels.
-    pub width: u32,
-    /// Height in pixels.
-    pub height: u32,
-    /// Reconstruction filter.
-    pub filter: Filter,
-}
-
-/// What a scene file asks of the renderer; the command line goes before it.
-#[derive(Clone, Debug, Default)]
-pub struct TechniqueRequest {
-    /// A technique of the table, with its parameters as `name=value`.
-    pub integrator: Option<(String, Vec<(String, String)>)>,
-    /// Samples per pixel.
-    pub spp: Option<u32>,
-    /// Longest path in segments; `Some(None)` is no limit.
-    pub max_depth: Option<Option<u32>>,
-    /// Segments before Russian roulette.
-    pub rr_depth: Option<u32>,
 }
 
 impl Scene {

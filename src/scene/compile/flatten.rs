@@ -1,0 +1,324 @@
+//! From meshes and spheres in double precision to the flat arrays of primitives and their attributes.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DQuat, Vec3, Vec4};
+
+use super::light::importance;
+use crate::error::{Error, Result};
+use crate::layout::{
+    Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK, Surface,
+    TANGENT_BIT, UV_BIT,
+};
+use crate::scene::Group;
+use crate::scene::description::{Group as GroupDescription, Mesh, Shape, Side, SurfaceDescription};
+
+/// The corners of a primitive without vertex attributes.
+const NO_CORNERS: Corners = Corners { i0: NONE, i1: NONE, i2: NONE };
+
+/// The bits of a triangle's vertices, the same whichever of them comes first. Its two sides differ.
+fn same_triangle(vertices: [Vec3; 3]) -> [[u32; 3]; 3] {
+    let mut bits = vertices.map(|v| (v + 0.0).to_array().map(f32::to_bits)); // a zero without its sign
+    let least = (0..3).min_by_key(|index| bits[*index]).unwrap_or(0);
+    bits.rotate_left(least);
+    bits
+}
+
+/// A primitive that emits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Emitter {
+    /// Its entry of the light table, still without probabilities.
+    pub light: Light,
+    /// Its surface.
+    pub surface: usize,
+    /// The primitive.
+    pub primitive: usize,
+}
+
+/// The flat arrays while they grow.
+pub(super) struct Flat {
+    pub primitives: Vec<Primitive>,
+    /// Of the primitives up to the last one that has any; empty where none has, which most of the largest scenes are like.
+    pub corners: Vec<Corners>,
+    /// Vertices that have any attribute so far: where the next one's attributes go.
+    pub vertices: usize,
+    pub normals: Vec<[f32; 3]>,
+    pub uvs: Vec<[f32; 2]>,
+    pub tangents: Vec<[f32; 4]>,
+    pub colours: Vec<[f32; 4]>,
+    pub surfaces: Vec<Surface>,
+    /// The lights that primitives are.
+    pub emitters: Vec<Emitter>,
+    pub degenerate: usize,
+    /// Emitting triangles that lie on another one.
+    pub repeated: usize,
+    emitting: HashSet<[[u32; 3]; 3]>,
+    pub triangles_seen: usize,
+}
+
+impl Flat {
+    /// With one surface per description; `transmits` says of each material whether light passes through it.
+    pub fn new(descriptions: &[SurfaceDescription], transmits: &[bool]) -> Self {
+        let side = |side: Side| side.map_or(NONE, |material| material as u32);
+        let surfaces = descriptions
+            .iter()
+            .map(|description| {
+                // What transmits is one material seen from both sides.
+                let glass = description.front.filter(|front| transmits[*front]);
+                Surface {
+                    front: side(description.front),
+                    back: side(glass.or(description.back)),
+                    emission: description.emission.map(|channel| channel as f32),
+                    light_density: 0.0,
+                    light_trail: 0,
+                    emission_density: 0.0,
+                    emission_texture: description.emission_texture.unwrap_or(NONE),
+                    opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
+                    opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),
+                    opacity_cutoff: description.mask.map_or(0.0, |mask| mask.cutoff as f32),
+                }
+            })
+            .collect();
+        Self {
+            primitives: Vec::new(),
+            corners: Vec::new(),
+            vertices: 0,
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            tangents: Vec::new(),
+            colours: Vec::new(),
+            surfaces,
+            emitters: Vec::new(),
+            degenerate: 0,
+            repeated: 0,
+            emitting: HashSet::new(),
+            triangles_seen: 0,
+        }
+    }
+
+    /// Takes in a group.
+    pub fn add_group(
+        &mut self,
+        source: &Path,
+        group: GroupDescription,
+        to_local: DAffine3,
+        is_world: bool,
+    ) -> Result<Group> {
+        let first = self.primitives.len() as u32;
+        let mut spheres = Vec::new();
+        for (shape, surface, name) in group.shapes {
+            let emission = self.surfaces[surface].emission.map(f64::from);
+            let emits = importance(emission) > 0.0;
+            if emits && !is_world {
+                let message = format!(
+                    "shape '{name}' emits and belongs to '{}', which is placed by instances: give each light a place of its own",
+                    group.name
+                );
+                return Err(Error::scene(source, message));
+            }
+            match shape {
+                Shape::Mesh { mesh, to_group } => {
+                    self.add_mesh(source, &name, &mesh, to_local * to_group, surface, emits)?
+                }
+                Shape::Sphere { centre, radius, axes } => {
+                    spheres.push((to_local.transform_point3(centre).as_vec3(), radius as f32, axes, surface, emits))
+                }
+            }
+        }
+        let middle = self.primitives.len() as u32;
+        let mut lit_surfaces: HashSet<usize> = self.emitters.iter().map(|emitter| emitter.surface).collect();
+        for (centre, radius, axes, mut surface, emits) in spheres {
+            // Each emitting sphere has a density of its own, which its surface holds.
+            if emits && !lit_surfaces.insert(surface) {
+                self.surfaces.push(self.surfaces[surface]);
+                surface = self.surfaces.len() - 1;
+            }
+            let mirror = if axes.determinant() < 0.0 { -1.0 } else { 1.0 };
+            let turn = DQuat::from_mat3(&(axes * mirror)).normalize();
+            let turn = if turn.w < 0.0 { -turn } else { turn };
+            let v1 = [radius, mirror as f32, 0.0];
+            let v2 = turn.xyz().as_vec3().to_array();
+            self.primitives.push(Primitive { v0: centre.into(), v1, v2, surface: surface as u32 | SPHERE_BIT });
+            if emits {
+                let radiance = self.surfaces[surface].emission;
+                let light = Light {
+                    kind: LIGHT_SPHERE,
+                    position: centre.into(),
+                    v1,
+                    v2,
+                    radiance,
+                    source: surface as u32,
+                    ..Light::default()
+                };
+                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
+            }
+        }
+        Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
+    }
+
+    /// Takes in the vertex attributes of a mesh; the bits of [`Primitive::surface`] that say which there are.
+    fn add_attributes(&mut self, mesh: &Mesh, to_local: DAffine3) -> Result<u32, String> {
+        let count = mesh.positions.len();
+        for (what, given) in [
+            ("normals", mesh.normals.len()),
+            ("texture coordinates", mesh.uvs.len()),
+            ("tangents", mesh.tangents.len()),
+            ("colours", mesh.colours.len()),
+        ] {
+            if given != 0 && given != count {
+                return Err(format!("{given} {what} for {count} vertices"));
+            }
+        }
+        if let Some(bad) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
+            return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", mesh.uvs[bad]));
+        }
+        let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
+        let base = self.vertices;
+        let mut flags = 0;
+        if !mesh.normals.is_empty() {
+            flags |= SMOOTH_BIT;
+            self.normals.resize(base, [0.0; 3]);
+            let turned = |normal: &Vec3| (for_normals * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array();
+            self.normals.extend(mesh.normals.iter().map(turned));
+        }
+        if !mesh.uvs.is_empty() {
+            flags |= UV_BIT;
+            self.uvs.resize(base, [0.0; 2]);
+            self.uvs.extend(mesh.uvs.iter().map(|uv| uv.to_array()));
+        }
+        if !mesh.tangents.is_empty() {
+            flags |= TANGENT_BIT;
+            self.tangents.resize(base, [0.0; 4]);
+            let turned = |tangent: &Vec4| {
+                (to_local.matrix3 * tangent.truncate().as_dvec3())
+                    .normalize_or_zero()
+                    .as_vec3()
+                    .extend(tangent.w)
+                    .to_array()
+            };
+            self.tangents.extend(mesh.tangents.iter().map(turned));
+        }
+        if !mesh.colours.is_empty() {
+            self.colours.resize(base, [1.0; 4]);
+            self.colours.extend(mesh.colours.iter().map(|colour| colour.to_array()));
+        }
+        if flags != 0 || !mesh.colours.is_empty() {
+            self.vertices += count;
+        }
+        Ok(flags)
+    }
+
+    /// Brings the attributes that some meshes have to the same length for all.
+    pub fn close_attributes(&mut self) {
+        let count = self.vertices;
+        if count > 0 {
+            self.corners.resize(self.primitives.len(), NO_CORNERS);
+        }
+        self.primitives.shrink_to_fit();
+        if !self.normals.is_empty() {
+            self.normals.resize(count, [0.0; 3]);
+        }
+        if !self.uvs.is_empty() {
+            self.uvs.resize(count, [0.0; 2]);
+        }
+        if !self.tangents.is_empty() {
+            self.tangents.resize(count, [0.0; 4]);
+        }
+        if !self.colours.is_empty() {
+            self.colours.resize(count, [1.0; 4]);
+        }
+    }
+
+    fn add_mesh(
+        &mut self,
+        source: &Path,
+        name: &str,
+        mesh: &Mesh,
+        to_local: DAffine3,
+        surface: usize,
+        emits: bool,
+    ) -> Result<()> {
+        let wrong = |message: String| Error::scene(source, format!("mesh '{name}': {message}"));
+        if let Some(bad) = mesh.positions.iter().position(|position| !position.is_finite()) {
+            return Err(wrong(format!(
+                "vertex {bad} of {} is {}: coordinates must be finite",
+                mesh.positions.len(),
+                mesh.positions[bad]
+            )));
+        }
+        let positions: Vec<Vec3> =
+            mesh.positions.iter().map(|position| to_local.transform_point3(*position).as_vec3()).collect();
+        let first_normal = self.vertices as u32;
+        let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
+        let smooth = flags & SMOOTH_BIT;
+        let has_attributes = self.vertices as u32 > first_normal;
+        self.triangles_seen += mesh.triangles.len();
+        self.primitives.reserve(mesh.triangles.len());
+        if has_attributes {
+            self.corners.resize(self.primitives.len(), NO_CORNERS);
+            self.corners.reserve(mesh.triangles.len());
+        }
+        for (index, triangle) in mesh.triangles.iter().enumerate() {
+            if let Some(bad) = triangle.iter().find(|vertex| **vertex as usize >= positions.len()) {
+                return Err(wrong(format!(
+                    "triangle {index} refers to vertex {bad}, and there are {} vertices (0 to {})",
+                    positions.len(),
+                    positions.len().saturating_sub(1)
+                )));
+            }
+            let mut triangle = *triangle;
+            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
+            let scaled_normal = (v1 - v0).as_dvec3().cross((v2 - v0).as_dvec3());
+            if scaled_normal.length_squared() == 0.0 {
+                self.degenerate += 1;
+                continue;
+            }
+            // Vertex normals say which side is the front, where there are any.
+            if smooth != 0 {
+                let sum: Vec3 =
+                    triangle.iter().map(|vertex| Vec3::from(self.normals[(first_normal + vertex) as usize])).sum();
+                if scaled_normal.dot(sum.as_dvec3()) < 0.0 {
+                    triangle.swap(1, 2);
+                }
+            }
+            // The vertex opposite the longest edge first: the edges that meet there make the best conditioned normal.
+            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize].as_dvec3());
+            let opposite = [v1.distance_squared(v2), v2.distance_squared(v0), v0.distance_squared(v1)];
+            let longest = (0..3).fold(0, |best, edge| if opposite[edge] > opposite[best] { edge } else { best });
+            triangle.rotate_left(longest);
+            let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
+            // Of lights that lie on each other a ray sees one: what is sampled from the others would be light that is not there.
+            if emits && !self.emitting.insert(same_triangle([v0, v1, v2])) {
+                self.repeated += 1;
+                continue;
+            }
+            self.primitives.push(Primitive {
+                v0: v0.into(),
+                v1: v1.into(),
+                v2: v2.into(),
+                surface: surface as u32 & SURFACE_MASK | flags,
+            });
+            let corner = |vertex: u32| if has_attributes { first_normal + vertex } else { NONE };
+            if has_attributes {
+                let [i0, i1, i2] = triangle.map(corner);
+                self.corners.push(Corners { i0, i1, i2 });
+            }
+            if emits {
+                let radiance = self.surfaces[surface].emission;
+                let light = Light {
+                    kind: LIGHT_TRIANGLE,
+                    position: v0.into(),
+                    v1: v1.into(),
+                    v2: v2.into(),
+                    radiance,
+                    source: surface as u32,
+                    corners: if flags & UV_BIT != 0 { triangle.map(corner) } else { [NONE; 3] },
+                    ..Light::default()
+                };
+                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,87 @@
+//! Entries of the light table for lamps, and what lights are worth when one of them is to be selected.
+
+use std::f64::consts::PI;
+
+use glam::{DMat3, DVec3, Vec3};
+
+use crate::layout::{
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE,
+};
+use crate::scene::light::{Falloff, Lamp};
+
+/// Relative luminance of a linear sRGB colour (ITU-R BT.709).
+pub fn luminance(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+/// A weight that is positive wherever any channel is: a blue light must be found too.
+pub(crate) fn importance(rgb: [f64; 3]) -> f64 {
+    let peak = rgb.iter().copied().fold(0.0, f64::max);
+    luminance(rgb).max(0.1 * peak)
+}
+
+impl Lamp {
+    /// Its entry of the light table (still without its probability), relative to `origin`.
+    /// The frame of a light that has one goes to the end of `tables`.
+    pub(crate) fn entry(&self, origin: DVec3, tables: &mut Vec<f32>) -> Light {
+        let mut frame = |axes: &DMat3| {
+            let first = tables.len() as u32;
+            for axis in [axes.x_axis, axes.y_axis, axes.z_axis] {
+                tables.extend(axis.as_vec3().to_array());
+            }
+            [first, 0, 0]
+        };
+        let unframed = Light { source: NONE, ..Light::default() };
+        let rgb = |value: [f64; 3]| value.map(|channel| channel as f32);
+        match *self {
+            Self::Point { position, intensity } => Light {
+                kind: LIGHT_POINT,
+                position: (position - origin).as_vec3().into(),
+                radiance: rgb(intensity),
+                ..unframed
+            },
+            Self::Spot { position, direction, intensity, cutoff, beam_width, falloff, texture } => Light {
+                kind: LIGHT_SPOT,
+                position: (position - origin).as_vec3().into(),
+                v1: direction.as_vec3().into(),
+                v2: [cutoff as f32, beam_width as f32, if falloff == Falloff::Cosine { 1.0 } else { 0.0 }],
+                radiance: rgb(intensity),
+                source: texture.map_or(NONE, |(texture, _)| texture),
+                corners: texture.map_or([0; 3], |(_, axes)| frame(&axes)),
+                ..unframed
+            },
+            Self::Projector { position, axes, texture, irradiance, tangents } => Light {
+                kind: LIGHT_PROJECTOR,
+                position: (position - origin).as_vec3().into(),
+                v1: axes.z_axis.as_vec3().into(),
+                v2: [tangents[0] as f32, tangents[1] as f32, 0.0],
+                radiance: rgb(irradiance),
+                source: texture,
+                corners: frame(&axes),
+                ..unframed
+            },
+            Self::Directional { direction, irradiance } => {
+                Light { kind: LIGHT_DIRECTIONAL, v1: direction.as_vec3().into(), radiance: rgb(irradiance), ..unframed }
+            }
+        }
+    }
+}
+
+/// The flux that a light brings to a scene of this radius, W: what selection is in proportion to.
+pub(crate) fn power(light: &Light, scene_radius: f64) -> f64 {
+    let strength = importance(light.radiance.map(f64::from));
+    match light.kind {
+        LIGHT_TRIANGLE => PI * strength * triangle_area(light),
+        LIGHT_SPHERE => PI * strength * 4.0 * PI * f64::from(light.v1[0]).powi(2),
+        LIGHT_POINT => 4.0 * PI * strength,
+        LIGHT_PROJECTOR => 4.0 * f64::from(light.v2[0]) * f64::from(light.v2[1]) * strength,
+        LIGHT_SPOT => 2.0 * PI * (1.0 - f64::from(light.v2[0]).cos()) * strength,
+        _ => PI * scene_radius * scene_radius * strength,
+    }
+}
+
+/// Area of a triangle light.
+pub(crate) fn triangle_area(light: &Light) -> f64 {
+    let [v0, v1, v2] = [light.position, light.v1, light.v2].map(|v| Vec3::from(v).as_dvec3());
+    0.5 * (v1 - v0).cross(v2 - v0).length()
+}

@@ -1,0 +1,74 @@
+//! The arrays of materials, with what is integrated once for each: coatings of plastic, energy that compensation gives back.
+
+use super::compensation;
+use super::fresnel::diffuse_reflectance;
+use super::microfacets::Microfacets;
+use super::plastic::rough_coating;
+use crate::layout::{
+    Compensation, Layered, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_ROUGH_PLASTIC, MICROFACET_BECKMANN,
+    Material, MaterialTextures, NONE, Plastic, Principled,
+};
+use crate::scene::material::{Detail, MaterialDescription};
+
+/// What plastic's coating does to light that crosses it: its transmittance by cosine where it is rough, and the share of
+/// diffuse light that it reflects from inside.
+fn coating(description: &MaterialDescription) -> (Vec<f32>, f64) {
+    let (alpha, eta) = (f64::from(description.record.alpha_u), f64::from(description.record.eta));
+    if description.record.kind != MATERIAL_ROUGH_PLASTIC {
+        return (Vec::new(), diffuse_reflectance(1.0 / eta));
+    }
+    let beckmann = description.record.flags & MICROFACET_BECKMANN != 0;
+    rough_coating(Microfacets::isotropic(alpha, beckmann), eta)
+}
+
+/// The materials' records and what goes beside them.
+#[derive(Default)]
+pub(super) struct Filed {
+    pub materials: Vec<Material>,
+    pub textures: Vec<MaterialTextures>,
+    pub plastics: Vec<Plastic>,
+    pub principleds: Vec<Principled>,
+    pub layereds: Vec<Layered>,
+    pub compensations: Vec<Compensation>,
+}
+
+/// Files the materials' parts; tables of coatings and of missing energy go to the end of `tables`.
+pub(super) fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
+    let mut filed = Filed::default();
+    let mut known = compensation::Known::default();
+    for description in descriptions {
+        let mut record = description.record;
+        match &description.detail {
+            Detail::None if record.flags & MATERIAL_IS_COMPENSATED != 0 => {
+                record.detail = filed.compensations.len() as u32;
+                filed.compensations.push(compensation::file(description, tables, &mut known));
+            }
+            Detail::None => {}
+            Detail::Plastic(plastic) => {
+                let (table, inside) = coating(description);
+                let (first, internal_reflectance) = (tables.len() as u32, inside as f32);
+                record.detail = filed.plastics.len() as u32;
+                filed.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
+                tables.extend(table);
+            }
+            Detail::Principled(principled) => {
+                record.detail = filed.principleds.len() as u32;
+                filed.principleds.push(*principled);
+            }
+            Detail::Layered(layered) => {
+                record.detail = filed.layereds.len() as u32;
+                filed.layereds.push(*layered);
+            }
+        }
+        let textures = &description.textures;
+        if description.is_textured() {
+            record.textures = filed.textures.len() as u32;
+            filed.textures.push(*textures);
+        }
+        if textures.normal != NONE || textures.bump != NONE {
+            record.flags |= MATERIAL_HAS_TANGENTS;
+        }
+        filed.materials.push(record);
+    }
+    filed
+}

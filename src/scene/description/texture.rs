@@ -1,0 +1,56 @@
+//! Textures: values over texture coordinates, from images or patterns.
+
+/// What coordinates outside of an image show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image mirrored.
+    Mirror,
+    /// Its edge.
+    Clamp,
+}
+
+/// What a texture shows.
+#[derive(Clone, Copy, Debug)]
+pub enum Pattern {
+    /// An image, by its index.
+    Image(usize),
+    /// Squares of two colours: half of the unit square along each axis.
+    Checkerboard([f32; 3], [f32; 3]),
+}
+
+/// A texture.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureDescription {
+    /// What it shows.
+    pub pattern: Pattern,
+    /// What lies outside of an image, across and down.
+    pub wrap: [Wrap; 2],
+    /// The nearest texel instead of bilinear interpolation.
+    pub nearest: bool,
+    /// What a scalar takes of it: channel 0 to 3, or 4 for luminance.
+    pub channel: u32,
+    /// Rows of the map from the surface's coordinates to the texture's.
+    pub map: [[f32; 3]; 2],
+    /// Factor on its values.
+    pub scale: [f32; 4],
+    /// Added to them.
+    pub offset: [f32; 4],
+}
+
+impl TextureDescription {
+    /// A texture of this pattern: repeated, bilinear, as it is.
+    pub fn new(pattern: Pattern) -> Self {
+        Self {
+            pattern,
+            wrap: [Wrap::Repeat; 2],
+            nearest: false,
+            channel: 4,
+            map: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            scale: [1.0; 4],
+            offset: [0.0; 4],
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The hierarchy of nodes: where everything stands, and the meshes that it places.
+
+use glam::{DAffine3, DMat4, DQuat, DVec3, Vec4};
+
+use super::accessors::Accessors;
+use super::buffers::Buffers;
+use super::document::{Document, Node, SceneEntry};
+use super::materials::Materials;
+use super::primitives::Primitives;
+use crate::error::Result;
+use crate::scene::description::WORLD;
+use crate::scene::{Mesh, SceneBuilder};
+
+/// A node where it stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placement {
+    /// Its index.
+    pub node: usize,
+    /// World from node.
+    pub to_world: DAffine3,
+}
+
+impl Placement {
+    /// Its name in messages.
+    pub fn element(&self) -> String {
+        format!("nodes[{}]", self.node)
+    }
+}
+
+/// All nodes of a scene, parents before their children.
+pub(super) fn placements(document: &Document, scene: &SceneEntry) -> Result<Vec<Placement>> {
+    let mut seen = vec![false; document.nodes.len()];
+    let mut placements = Vec::new();
+    let mut waiting: Vec<(usize, DAffine3, Option<usize>)> =
+        scene.nodes.iter().rev().map(|node| (*node, DAffine3::IDENTITY, None)).collect();
+    while let Some((index, above, parent)) = waiting.pop() {
+        let from = parent.map_or_else(|| scene.element.clone(), |parent| format!("nodes[{parent}]"));
+        let node = document.get(&document.nodes, "nodes", index, &from)?;
+        let element = format!("nodes[{index}]");
+        // A tree: so that there is no cycle, and that no few nodes stand for very many.
+        if std::mem::replace(&mut seen[index], true) {
+            return Err(document.wrong(&from, format!("its child {element} has another parent, or is above it")));
+        }
+        let to_world = above * local(document, node, &element)?;
+        if !to_world.is_finite() {
+            return Err(document.wrong(&element, "where it stands is not finite"));
+        }
+        placements.push(Placement { node: index, to_world });
+        waiting.extend(node.children.iter().rev().map(|child| (*child, to_world, Some(index))));
+    }
+    Ok(placements)
+}
+
+/// Parent from node.
+fn local(document: &Document, node: &Node, element: &str) -> Result<DAffine3> {
+    if let Some(matrix) = node.matrix {
+        let matrix = DMat4::from_cols_array(&matrix);
+        let last = matrix.row(3) - glam::DVec4::W;
+        if last.abs().max_element() > 1e-6 || last.is_nan() {
+            return Err(document.wrong(element, "the last row of its matrix must be 0, 0, 0, 1"));
+        }
+        return Ok(DAffine3::from_mat4(matrix));
+    }
+    let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+    if !(rotation.length_squared() > 0.0 && rotation.length_squared().is_finite()) {
+        return Err(document.wrong(element, "its rotation is not a quaternion of length 1"));
+    }
+    let translation = DVec3::from(node.translation.unwrap_or_default());
+    let scale = DVec3::from(node.scale.unwrap_or([1.0; 3]));
+    Ok(DAffine3::from_scale_rotation_translation(scale, rotation.normalize(), translation))
+}
+
+/// A mesh of the file in the builder.
+#[derive(Clone, Debug)]
+enum Built {
+    /// In a group, to be placed by instances.
+    Group(usize),
+    /// To be put into the world at each place: meshes, their surfaces and names.
+    Parts(Vec<(Mesh, usize, String)>),
+}
+
+/// Adds the meshes that nodes carry. One that several nodes use becomes a group that instances place; one that is used once
+/// or emits goes into the world.
+pub(super) fn load_meshes(
+    document: &Document,
+    buffers: &Buffers,
+    placements: &[Placement],
+    builder: &mut SceneBuilder,
+) -> Result<()> {
+    let mut materials = Materials::new(document, buffers);
+    let mut primitives = Primitives::new(Accessors { document, buffers });
+    let mut uses = vec![0usize; document.meshes.len()];
+    let mut mirrored = vec![false; document.meshes.len()];
+    let mut skinned = false;
+    let mut places = Vec::new();
+    for placement in placements {
+        let node = &document.nodes[placement.node];
+        let Some(index) = node.mesh else { continue };
+        document.get(&document.meshes, "meshes", index, &placement.element())?;
+        skinned |= node.skin.is_some();
+        if placement.to_world.matrix3.determinant() == 0.0 {
+            builder
+                .warnings
+                .push(format!("{}: it is scaled to nothing, and its mesh is left out", placement.element()));
+            continue;
+        }
+        if !placement.to_world.inverse().is_finite() {
+            return Err(document.wrong(&placement.element(), "its scale is too large or too small to be undone"));
+        }
+        uses[index] += 1;
+        mirrored[index] |= placement.to_world.matrix3.determinant() < 0.0;
+        places.push((index, placement));
+    }
+    if skinned {
+        builder.warnings.push(String::from("skins are not read: meshes keep their own shape"));
+    }
+    let mut built: Vec<Option<Built>> = vec![None; document.meshes.len()];
+    for (index, placement) in places {
+        uses[index] -= 1;
+        let is_last = uses[index] == 0;
+        let mesh = match built[index].take() {
+            Some(mesh) => mesh,
+            None => build(document, &mut materials, &mut primitives, index, (!is_last, mirrored[index]), builder)?,
+        };
+        let mut put = |mesh: Mesh, surface: usize, name: &str| {
+            builder.mesh(WORLD, name, placed(mesh, placement.to_world), placement.to_world, surface);
+        };
+        match mesh {
+            Built::Group(group) => {
+                builder.instance(group, placement.to_world);
+                built[index] = Some(mesh);
+            }
+            Built::Parts(parts) if is_last => {
+                parts.into_iter().for_each(|(mesh, surface, name)| put(mesh, surface, &name))
+            }
+            Built::Parts(parts) => {
+                for (mesh, surface, name) in &parts {
+                    // What is read once and put into the world again counts again.
+                    primitives.count(name, mesh.positions.len() + mesh.triangles.len())?;
+                    put(mesh.clone(), *surface, name);
+                }
+                built[index] = Some(Built::Parts(parts));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A mesh as it must be to be placed by that map.
+fn placed(mesh: Mesh, to_world: DAffine3) -> Mesh {
+    if to_world.matrix3.determinant() >= 0.0 {
+        return mesh;
+    }
+    // A mirror turns the order of the corners round, by which alone a flat mesh tells its front, and takes a bitangent to
+    // the other side of the normal and the tangent.
+    let is_flat = mesh.normals.is_empty();
+    let mut mesh = mesh.turned(is_flat);
+    mesh.tangents.iter_mut().for_each(|tangent: &mut Vec4| tangent.w = -tangent.w);
+    mesh
+}
+
+fn build(
+    document: &Document,
+    materials: &mut Materials,
+    primitives: &mut Primitives,
+    index: usize,
+    (is_shared, is_mirrored): (bool, bool),
+    builder: &mut SceneBuilder,
+) -> Result<Built> {
+    let mut parts = Vec::new();
+    let mut needs_world = !is_shared;
+    let mesh = document.get(&document.meshes, "meshes", index, "nodes")?;
+    for (number, primitive) in mesh.primitives.iter().enumerate() {
+        let element = format!("meshes[{index}].primitives[{number}]");
+        let material = materials.get(builder, primitive.material.map(|index| index.value()), &element)?;
+        let Some(mesh) = primitives.read(primitive, &element, material.wanted, &mut builder.warnings)? else {
+            continue;
+        };
+        if !mesh.colours.is_empty() {
+            material.with_colours(builder);
+        }
+        // An instance has one sign of the bitangent for all its placements.
+        needs_world |= material.emits || (is_mirrored && !mesh.tangents.is_empty());
+        parts.push((mesh, material.surface, element));
+    }
+    if needs_world || parts.is_empty() {
+        return Ok(Built::Parts(parts));
+    }
+    let group = builder.group(&format!("meshes[{index}]"));
+    for (mesh, surface, name) in parts {
+        builder.mesh(group, &name, mesh, DAffine3::IDENTITY, surface);
+    }
+    Ok(Built::Group(group))
+}
