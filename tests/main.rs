@@ -18,6 +18,7 @@ mod caustic;
 mod checkpoint;
 mod cli;
 mod cli_bench;
+mod docs;
 mod error_target;
 mod faults;
 mod gltf;

@@ -1,8 +1,12 @@
-//! `lumbre list`: the tables of techniques and samplers, in lines of at most 100 characters.
+//! `lumbre list`: the tables of techniques and samplers, in lines of at most 100 characters or as Markdown.
+
+use clap::Args;
 
 use lumbre::error::{Result, all_of};
-use lumbre::techniques::{Bias, SAMPLERS, TECHNIQUES, TechniqueRow, Values};
+use lumbre::layout::backend::BACKENDS;
+use lumbre::techniques::{Bias, Parameter, SAMPLERS, TECHNIQUES, TechniqueRow, Values};
 
+use super::markdown::{Table, code};
 use super::print;
 
 /// Where text begins, beside names.
@@ -10,7 +14,23 @@ const INDENT: usize = 15;
 /// Where it ends.
 const WIDTH: usize = 100;
 
-pub(super) fn run() -> Result<()> {
+#[derive(Args)]
+pub(super) struct ListArgs {
+    /// Write docs/techniques.md: techniques with their parameters, samplers and backends as Markdown tables
+    #[arg(long)]
+    markdown: bool,
+}
+
+pub(super) fn run(args: &ListArgs) -> Result<()> {
+    if args.markdown {
+        print(page().trim_end());
+    } else {
+        plain();
+    }
+    Ok(())
+}
+
+fn plain() {
     for row in TECHNIQUES {
         print(&format!("{:<14} {}", row.name, row.title));
         for (what, text) in about(row) {
@@ -29,17 +49,105 @@ pub(super) fn run() -> Result<()> {
     for row in SAMPLERS {
         print(&format!("{:<14} {}", row.name, indented("", row.about).trim_start()));
     }
-    Ok(())
+}
+
+fn bias(row: &TechniqueRow) -> String {
+    match row.bias {
+        Bias::Unbiased => String::from("unbiased"),
+        Bias::Biased(why) => format!("biased: {why}"),
+        Bias::Consistent(why) => format!("consistent: {why}"),
+    }
+}
+
+/// The whole of docs/techniques.md.
+fn page() -> String {
+    let mut text = String::from(
+        "# Techniques\n\n\
+         `lumbre list --markdown > docs/techniques.md` writes this page from the tables in the code; a test holds them equal. On the command line a\n\
+         technique is `-i NAME:parameter=value:parameter=value`; the first value of a choice is its default.\n\n\
+         ## What each computes\n\n",
+    );
+    let none = || String::from("nothing");
+    let mut table =
+        Table::new(&["name", "technique", "accounts for", "bias", "cannot find, of that", "finds with rare, bright samples"]);
+    for row in TECHNIQUES {
+        let misses = row.misses.iter().map(|missing| missing.what());
+        let chance = row.by_chance.iter().map(|chance| chance.what());
+        table.row(&[
+            code(row.name),
+            row.title.to_owned(),
+            row.solves.what().to_owned(),
+            bias(row),
+            if row.misses.is_empty() { none() } else { all_of(misses) },
+            if row.by_chance.is_empty() { none() } else { all_of(chance) },
+        ]);
+    }
+    text.push_str(&table.end());
+    text.push_str(
+        "## What each is good and bad at\n\n\
+         Ratios are efficiencies, 1 / (relMSE x seconds), at equal time. They are from [speed against error](speed.md), from\n\
+         [paths from the light](light_paths.md) and [on a GPU](gpu.md), and the rest from `make lecture`.\n\n",
+    );
+    let mut table = Table::new(&["name", "good at", "bad at", "measured"]);
+    for row in TECHNIQUES {
+        table.row(&[code(row.name), row.good_at.to_owned(), row.bad_at.to_owned(), row.measured.to_owned()]);
+    }
+    text.push_str(&table.end());
+    text.push_str("## Parameters\n\n");
+    let mut table = Table::new(&["technique", "parameter", "values", "what it does", "with a value"]);
+    for row in TECHNIQUES {
+        for parameter in row.parameters {
+            table.row(&[
+                code(row.name),
+                code(parameter.name),
+                values(parameter),
+                parameter.about.to_owned(),
+                consequences(parameter),
+            ]);
+        }
+    }
+    text.push_str(&table.end());
+    text.push_str("## Samplers\n\n`--sampler` chooses one; the first is the default.\n\n");
+    let mut table = Table::new(&["name", "what it is"]);
+    for row in SAMPLERS {
+        table.row(&[code(row.name), row.about.to_owned()]);
+    }
+    text.push_str(&table.end());
+    text.push_str(
+        "## Ray backends\n\n`--backend` chooses one; `auto` takes ray queries on GPUs that have them, and the BVH on processors.\n\n",
+    );
+    let mut table = Table::new(&["name", "shader"]);
+    for row in BACKENDS {
+        table.row(&[code(row.name), format!("[`{0}`](../shaders/trace/{0})", row.file)]);
+    }
+    text.push_str(&table.end());
+    text
+}
+
+/// The values of a parameter for a table.
+fn values(parameter: &Parameter) -> String {
+    match parameter.values {
+        Values::Choice(words) => words.iter().map(|word| code(word)).collect::<Vec<_>>().join(", "),
+        Values::Number(low, high, default) => format!("{low} to {high}, default {default}"),
+    }
+}
+
+/// What the values of a parameter do to the bias and to the light that is found.
+fn consequences(parameter: &Parameter) -> String {
+    let biased = parameter
+        .biased
+        .iter()
+        .map(|(value, why)| format!("{}: biased, {why}", code(&format!("{}={value}", parameter.name))));
+    let misses = parameter
+        .misses
+        .iter()
+        .map(|(value, what)| format!("{}: cannot find {}", code(&format!("{}={value}", parameter.name)), what.what()));
+    biased.chain(misses).collect::<Vec<_>>().join("; ")
 }
 
 /// What the table says of a technique, each with its label.
 fn about(row: &TechniqueRow) -> Vec<(&'static str, String)> {
-    let bias = match row.bias {
-        Bias::Unbiased => String::from("unbiased"),
-        Bias::Biased(why) => format!("biased: {why}"),
-        Bias::Consistent(why) => format!("consistent: {why}"),
-    };
-    let mut lines = vec![("solves", row.solves.what().to_owned()), ("bias", bias)];
+    let mut lines = vec![("solves", row.solves.what().to_owned()), ("bias", bias(row))];
     if !row.misses.is_empty() {
         lines.push(("misses", all_of(row.misses.iter().map(|missing| missing.what()))));
     }

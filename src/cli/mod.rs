@@ -6,6 +6,7 @@ mod devices;
 mod info;
 mod lecture;
 mod list;
+mod markdown;
 mod rays;
 mod reference;
 mod render;
@@ -51,7 +52,7 @@ enum Command {
     /// List the Vulkan devices, what they can do, and why a backend is refused
     Devices(devices::DevicesArgs),
     /// List the techniques and their parameters
-    List,
+    List(list::ListArgs),
 }
 
 /// Which device to run on.
@@ -173,7 +174,7 @@ pub fn main() -> u8 {
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Devices(args) => devices::run(&args),
-        Command::List => list::run(),
+        Command::List(args) => list::run(&args),
     };
     match done {
         Ok(()) => 0,

@@ -9,8 +9,9 @@ use serde::Serialize;
 use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
 use lumbre::layout::backend::Backend;
-use lumbre::verify::{CASES, Case, Effort, Figure, Outcome, Verdict, backends_of, find, measure_all};
+use lumbre::verify::{CASES, Case, Effort, Figure, On, Outcome, Verdict, backends_of, find, measure_all};
 
+use super::markdown::{Table, code};
 use super::render::write_json;
 use super::{DeviceArgs, choose_backend, print};
 
@@ -26,6 +27,10 @@ pub(super) struct VerifyArgs {
     /// List the cases: what each tests, its bound, and the source of what is expected
     #[arg(long, conflicts_with_all = ["case", "short", "output", "backend"])]
     list: bool,
+
+    /// With --list: as a Markdown table, which docs/verify.md holds
+    #[arg(long, requires = "list", conflicts_with = "json")]
+    markdown: bool,
 
     /// One or two techniques, fewer samples and rays: tens of seconds instead of minutes
     #[arg(long)]
@@ -62,7 +67,11 @@ struct Report<'a> {
 
 pub(super) fn run(args: &VerifyArgs) -> Result<()> {
     if args.list {
-        list(args.json.as_deref())?;
+        if args.markdown {
+            print(table().trim_end());
+        } else {
+            list(args.json.as_deref())?;
+        }
         return Ok(());
     }
     let named = args.case.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
@@ -204,6 +213,25 @@ fn number(value: f64) -> String {
     } else {
         format!("{value:.2e}")
     }
+}
+
+/// The cases as a Markdown table.
+fn table() -> String {
+    let mut table = Table::new(&["case", "what", "bound", "source of what is expected", "on"]);
+    for case in CASES {
+        let on = match case.on {
+            On::EachBackend => "each backend",
+            On::Once => "once",
+        };
+        table.row(&[
+            code(case.name),
+            case.tests.to_owned(),
+            case.bound.to_owned(),
+            case.source.to_owned(),
+            on.to_owned(),
+        ]);
+    }
+    table.end()
 }
 
 fn list(json: Option<&Path>) -> Result<()> {
