@@ -4,7 +4,8 @@
     benches/strip.py [-o FILE] [--scene FILE] [-i LIST] [-t SECONDS] [--reference-time SECONDS] [--size WxH] [--lumbre PROGRAM]
 
 Makes a reference with `lumbre reference`, which stays in out/strip for the next time, renders with each technique for the same time,
-and compares with `lumbre compare`. Needs Pillow for the text (`pip install pillow`).
+and compares with `lumbre compare`: FLIP is the difference that an eye sees (0 to 1), relMSE a mean of squares that few bright pixels can decide.
+Needs Pillow for the text (`pip install pillow`).
 """
 
 import argparse
@@ -55,8 +56,9 @@ def main():
         exr, png = out / f"{technique}.exr", out / f"{technique}.png"
         run(args.lumbre, "render", args.scene, "-i", technique, "-t", args.time, "--size", args.size, "-o", exr, "-o", png, "-q")
         compared = json.loads(run(args.lumbre, "compare", exr, reference, "--json", "-"))
-        pictures.append((Image.open(png), technique, compared["relmse"]))
-        print(f"{technique:<16} relMSE {compared['relmse']:.3g}")
+        error = f"FLIP {compared['flip']:.2f}, relMSE {compared['relmse']:.2g}"
+        pictures.append((Image.open(png), technique, error))
+        print(f"{technique:<16} {error}", flush=True)
 
     width, height = pictures[0][0].size
     strip = Image.new("RGB", (len(pictures) * (width + GAP) - GAP, height + 2 * LINE + GAP), "white")
@@ -65,7 +67,7 @@ def main():
         left = place * (width + GAP)
         strip.paste(picture.convert("RGB"), (left, 0))
         draw.text((left + 2, height + 2), f"{technique}: {TITLES.get(technique.split(':')[0], '')}", "black", font)
-        draw.text((left + 2, height + 2 + LINE), f"relMSE {error:.2g}", "black", font)
+        draw.text((left + 2, height + 2 + LINE), error, "black", font)
     strip.save(args.output, optimize=True)
     print(f"wrote {args.output}, {args.output.stat().st_size // 1000} kB")
 

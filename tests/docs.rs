@@ -77,7 +77,8 @@ fn links_lead_to_what_they_name() {
             }
             let source = at.extension().is_some_and(|extension| extension == "rs" || extension == "glsl");
             let name = text.trim_matches('`');
-            let identifier = text.len() > 2 && !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+            let identifier =
+                text.len() > 2 && !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
             if source && text.starts_with('`') && identifier && !read(&at).contains(name) {
                 broken.push(format!("{link}: the file has no such name"));
             }

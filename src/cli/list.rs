@@ -68,8 +68,14 @@ fn page() -> String {
          ## What each computes\n\n",
     );
     let none = || String::from("nothing");
-    let mut table =
-        Table::new(&["name", "technique", "accounts for", "bias", "cannot find, of that", "finds with rare, bright samples"]);
+    let mut table = Table::new(&[
+        "name",
+        "technique",
+        "accounts for",
+        "bias",
+        "cannot find, of that",
+        "finds with rare, bright samples",
+    ]);
     for row in TECHNIQUES {
         let misses = row.misses.iter().map(|missing| missing.what());
         let chance = row.by_chance.iter().map(|chance| chance.what());
