@@ -214,7 +214,7 @@ fn no_light_is_lost() {
         for (scale, seed) in [(1.0, 1), (1e-3, 2), (1e3, 3)] {
             let lights = strewn(150, scale, seed);
             let scene = scene_of(&lights, LightSelection::Tree);
-            assert!(!scene.light_tree.nodes.is_empty());
+            assert!(!scene.light_tree.is_empty());
             let bench = Bench::new(gpu, &scene, uniform.clone());
             for (p, n) in receivers(scale) {
                 let expected: Option<f64> = lights.iter().map(|light| light.irradiance(p, n)).sum();
@@ -277,7 +277,7 @@ fn alley(how: LightSelection) -> Scene {
 #[test]
 fn tree_and_power_agree() {
     let (power, tree) = (alley(LightSelection::Power), alley(LightSelection::Auto));
-    assert!(power.light_tree.nodes.is_empty() && tree.light_tree.nodes.len() == 2 * 7560 - 1);
+    assert!(power.light_tree.is_empty() && tree.light_tree.len() == 2 * 7560 - 1);
     with_gpu(|gpu| {
         let mut settings_power = settings(&power, "direct:sampling=emitter", Backend::Bvh);
         settings_power.seed = 1;
@@ -309,8 +309,8 @@ fn the_choice_is_the_users() {
         let defines = Vec::new();
         load(&scene_path("veach_mis.xml"), &LoadOptions { defines, lights: how, ..LoadOptions::default() }).unwrap()
     };
-    assert!(few(LightSelection::Auto).light_tree.nodes.is_empty());
-    assert!(!few(LightSelection::Tree).light_tree.nodes.is_empty());
-    assert!(alley(LightSelection::Power).light_tree.nodes.is_empty());
-    assert!(canon("cornell.xml", &[]).light_tree.nodes.is_empty());
+    assert!(few(LightSelection::Auto).light_tree.is_empty());
+    assert!(!few(LightSelection::Tree).light_tree.is_empty());
+    assert!(alley(LightSelection::Power).light_tree.is_empty());
+    assert!(canon("cornell.xml", &[]).light_tree.is_empty());
 }

@@ -27,24 +27,6 @@ layout(push_constant, scalar) uniform FrameBlock { FrameConstants frame; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Words64 { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Quads { uvec4 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Floats { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triples { Corners at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors { vec3 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors2 { vec2 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vectors4 { vec4 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Surfaces { Surface at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Materials { Material at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Lights { Light at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer TextureSets { MaterialTextures at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Blends { Blend at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Plastics { Plastic at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Principleds { Principled at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Layereds { Layered at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Compensations { Compensation at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Textures { Texture at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer AliasTable { AliasEntry at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightNodes { LightNode at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Instances { Instance at[]; };
 
 // Distances begin at 0: whoever starts a ray on a surface moves its origin off that surface.
 struct Ray {

@@ -2,14 +2,14 @@
 
 macro_rules! shared_structs {
     ($(
-        $(#[doc = $doc:literal])*
-        pub struct $name:ident { $( $(#[doc = $member_doc:literal])* $member:ident : $kind:ident ),* $(,)? }
+        $(#[$doc:meta])*
+        pub struct $name:ident { $( $(#[$member_doc:meta])* $member:ident : $kind:ident ),* $(,)? }
     )*) => {
         $(
-            $(#[doc = $doc])*
+            $(#[$doc])*
             #[repr(C)]
             #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-            pub struct $name { $( $(#[doc = $member_doc])* pub $member: $kind ),* }
+            pub struct $name { $( $(#[$member_doc])* pub $member: $kind ),* }
             const _: () = assert!(align_of::<$name>() == 4, "a shared struct has alignment 4");
         )*
 

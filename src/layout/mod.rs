@@ -12,15 +12,19 @@
 
 #[macro_use]
 mod macros;
+mod arrays;
 pub mod backend;
 mod constants;
 mod frame_structs;
 mod scene_structs;
+mod scene_uniforms;
 mod specialisation;
 
+pub(crate) use arrays::scene_arrays;
 pub use constants::*;
 pub use frame_structs::*;
 pub use scene_structs::*;
+pub use scene_uniforms::*;
 pub use specialisation::*;
 
 /// A GLSL `float`.
@@ -67,7 +71,7 @@ pub struct SharedStruct {
 
 /// Every shared struct, in the order of declaration.
 pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
-    scene_structs::STRUCTS.iter().chain(frame_structs::STRUCTS)
+    scene_structs::STRUCTS.iter().chain(scene_uniforms::STRUCTS).chain(frame_structs::STRUCTS)
 }
 
 /// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
@@ -83,7 +87,7 @@ fn upper_case(name: &str) -> String {
 }
 
 /// The text of `generated/layout.glsl`. Beside what is declared here it has `<STRUCT>_BYTES` for each shared struct: the bytes of one
-/// element of an array of it.
+/// element of an array of it, and a buffer reference for each array of a scene.
 pub fn glsl() -> String {
     let mut text = String::from("// Generated from src/layout/.\n\n");
     for constant in CONSTANTS {
@@ -102,6 +106,11 @@ pub fn glsl() -> String {
     for shared in structs() {
         text += shared.glsl;
         text.push('\n');
+    }
+    for arrays::BufferReference { name, element } in arrays::buffer_references() {
+        text += &format!(
+            "layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer {name} {{ {element} at[]; }};\n"
+        );
     }
     text
 }

@@ -2,7 +2,7 @@
 
 #[allow(unused_imports)] // named by the documentation
 use super::constants::*;
-use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
+use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec3, vec4};
 
 shared_structs! {
     /// A triangle, or a sphere where `surface` has [`SPHERE_BIT`]: then `v0` is its centre and `v1[0]` its radius.
@@ -310,113 +310,5 @@ shared_structs! {
         first_primitive: uint,
         /// 0 where both maps are the identity, which rounds nothing.
         moved: uint,
-    }
-
-    /// What stays the same through one rendering: the beginning of the uniform buffer at [`BINDING_SCENE`]. After it come
-    /// [`UNIFORM_SURFACES`] surfaces, [`UNIFORM_MATERIALS`] materials and [`UNIFORM_LIGHTS`] lights, for scenes that have
-    /// no more than that of a kind.
-    pub struct SceneUniforms {
-        /// Camera position.
-        camera_origin: vec3,
-        /// Direction through the corner (0, 0) of the image; not of unit length.
-        camera_corner: vec3,
-        /// Change of that direction per pixel to the right.
-        camera_dx: vec3,
-        /// Change of it per pixel down.
-        camera_dy: vec3,
-        /// Change of the ray's origin per unit of lens, along the image; zero for a pinhole. For an orthographic camera,
-        /// change of the origin per pixel to the right.
-        lens_x: vec3,
-        /// The same down the image.
-        lens_y: vec3,
-        /// Distance along the viewing direction at which a thin lens is in focus, in lengths of it.
-        focus: float,
-        /// Absorption of the medium that the camera stands in, 1/m.
-        camera_absorption: vec3,
-        /// Radiance of the background, or the factor on its texture.
-        background: vec3,
-        /// Texture of the background, or [`NONE`].
-        background_texture: uint,
-        /// World to background space, first row.
-        background_x: vec3,
-        /// World to background space, second row.
-        background_y: vec3,
-        /// World to background space, third row.
-        background_z: vec3,
-        /// Cells of the background's alias table, across and down.
-        background_cells: uvec2,
-        /// Device address of that table: one [`AliasEntry`] per cell, row by row.
-        background_table: uvec2,
-        /// Probability of selecting the background as the light to sample.
-        background_probability: float,
-        /// Device address of the `bvh` nodes (80 bytes each; instances first, then each group).
-        nodes: uvec2,
-        /// Device address of the [`Primitive`]s.
-        primitives: uvec2,
-        /// Device address of the [`Corners`], one per primitive; 0 where no mesh has vertex attributes.
-        corners: uvec2,
-        /// Device address of the vertex normals, three floats each.
-        normals: uvec2,
-        /// Device address of the texture coordinates, two floats each.
-        uvs: uvec2,
-        /// Device address of the tangents, four floats each: direction, and the sign of the bitangent.
-        tangents: uvec2,
-        /// Device address of the vertex colours, four floats each.
-        colours: uvec2,
-        /// Device address of the [`Surface`]s.
-        surfaces: uvec2,
-        /// Device address of the [`Material`]s.
-        materials: uvec2,
-        /// Device address of the [`MaterialTextures`].
-        material_textures: uvec2,
-        /// Device address of the [`Blend`]s.
-        blends: uvec2,
-        /// Device address of the [`Plastic`]s.
-        plastics: uvec2,
-        /// Device address of the [`Principled`]s.
-        principleds: uvec2,
-        /// Device address of the [`Layered`]s.
-        layereds: uvec2,
-        /// Device address of the [`Compensation`]s.
-        compensations: uvec2,
-        /// Device address of the [`Texture`]s.
-        textures: uvec2,
-        /// Device address of tables of floats; the first 256 decode 8-bit sRGB.
-        tables: uvec2,
-        /// Entries of the light table.
-        light_count: uint,
-        /// Device address of the [`Light`]s.
-        lights: uvec2,
-        /// Lights that are selected from the alias table: the first ones. Others are selected from the tree.
-        table_lights: uint,
-        /// Probability of selecting one from the table, where the background was not selected.
-        table_probability: float,
-        /// Probability of going to the tree.
-        tree_probability: float,
-        /// Device address of the [`LightNode`]s.
-        light_tree: uvec2,
-        /// Origin of their coordinates.
-        light_tree_origin: vec3,
-        /// Factor on coordinates relative to that.
-        light_tree_scale: float,
-        /// Device address of the [`Instance`]s.
-        instances: uvec2,
-        /// Centre of a sphere around everything that is placed.
-        centre: vec3,
-        /// Its radius.
-        radius: float,
-        /// Centre of a sphere around what does not emit: most light paths of lights far off are sent there.
-        core_centre: vec3,
-        /// Its radius.
-        core_radius: float,
-        /// Value of one unit of the splats' fixed-point numbers.
-        splat_unit: float,
-        /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).
-        filter_parameters: vec2,
-        /// One over the filter's integral.
-        filter_scale: float,
-        /// Device address of the positions that divide the integral of the filter's absolute value into
-        /// [`FILTER_CELLS`] equal parts.
-        filter_table: uvec2,
     }
 }

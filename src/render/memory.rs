@@ -268,31 +268,13 @@ impl Table {
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {
         let needs = settings.needs(scene);
-        self.list("primitives", &scene.primitives);
+        for array in scene.arrays(&needs).into_iter().chain(scene.changed_arrays()) {
+            self.list(array.name, array.bytes);
+        }
         if scene.primitives.is_empty() {
             self.add("primitives", 4, true);
         }
-        self.list("corners", &scene.corners);
         scene.images.iter().for_each(|image| self.list("images", image.bytes()));
-        if let Some(environment) = &scene.environment {
-            self.list("environment table", &environment.table);
-        }
-        self.list("normals", &scene.normals);
-        self.list("texture coordinates", if needs.uvs { &scene.uvs } else { &[] });
-        self.list("tangents", if needs.tangents { &scene.tangents } else { &[] });
-        self.list("vertex colours", if needs.colours { &scene.colours } else { &[] });
-        self.list("surfaces", &scene.surfaces);
-        self.list("materials", &scene.materials);
-        self.list("material textures", &scene.material_textures);
-        self.list("blends", &scene.blends);
-        self.list("plastics", &scene.plastics);
-        self.list("principled materials", &scene.principleds);
-        self.list("layered materials", &scene.layereds);
-        self.list("energy compensation", &scene.compensations);
-        self.list("textures", &scene.textures);
-        self.list("tables", &scene.tables);
-        self.list("lights", &scene.lights);
-        self.list("light tree", &scene.light_tree.nodes);
         if settings.filter != Filter::Box {
             self.list("pixel filter", &settings.filter.cells());
         }

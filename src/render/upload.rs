@@ -80,11 +80,7 @@ impl Uploaded {
         let nodes = if built.nodes.is_empty() { None } else { Some(Buffer::concatenated(gpu, "nodes", &built.nodes)?) };
         drop(std::mem::take(&mut built.nodes));
         structure_seconds += started.elapsed().as_secs_f64();
-        let places = [Some(&primitives), corners.as_ref(), nodes.as_ref()]
-            .map(|buffer| buffer.map_or([0; 2], |buffer| address(buffer.address())));
-        buffers.push(("primitives", primitives));
-        buffers.extend(corners.map(|buffer| ("corners", buffer)));
-        buffers.extend(nodes.map(|buffer| ("nodes", buffer)));
+        let place_of = |buffer: Option<&Buffer>| buffer.map_or([0; 2], |buffer| address(buffer.address()));
         let mut upload = |name: &'static str, bytes: &[u8]| -> Result<[u32; 2]> {
             if bytes.is_empty() {
                 return Ok([0, 0]);
@@ -107,7 +103,7 @@ impl Uploaded {
         let plane = settings.image_plane(scene)?;
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let (core_centre, core_radius) = scene.core();
-        let uniforms = SceneUniforms {
+        let mut uniforms = SceneUniforms {
             camera_origin: vector(plane.origin),
             camera_corner: vector(plane.corner),
             camera_dx: vector(plane.dx),
@@ -122,41 +118,13 @@ impl Uploaded {
             background_y: rotation[1],
             background_z: rotation[2],
             background_cells: scene.environment.as_ref().map_or([0; 2], |environment| environment.cells),
-            background_table: match &scene.environment {
-                Some(environment) => upload("environment table", bytemuck::cast_slice(&environment.table))?,
-                None => [0; 2],
-            },
             background_probability: scene.background_probability,
-            nodes: places[2],
-            primitives: places[0],
-            corners: places[1],
-            normals: upload("normals", bytemuck::cast_slice(&scene.normals))?,
-            uvs: if needs.uvs { upload("texture coordinates", bytemuck::cast_slice(&scene.uvs))? } else { [0; 2] },
-            tangents: if needs.tangents { upload("tangents", bytemuck::cast_slice(&scene.tangents))? } else { [0; 2] },
-            colours: if needs.colours {
-                upload("vertex colours", bytemuck::cast_slice(&scene.colours))?
-            } else {
-                [0; 2]
-            },
-            surfaces: upload("surfaces", bytemuck::cast_slice(&scene.surfaces))?,
-            materials: upload("materials", bytemuck::cast_slice(&scene.materials))?,
-            material_textures: upload("material textures", bytemuck::cast_slice(&scene.material_textures))?,
-            blends: upload("blends", bytemuck::cast_slice(&scene.blends))?,
-            plastics: upload("plastics", bytemuck::cast_slice(&scene.plastics))?,
-            principleds: upload("principled materials", bytemuck::cast_slice(&scene.principleds))?,
-            layereds: upload("layered materials", bytemuck::cast_slice(&scene.layereds))?,
-            compensations: upload("energy compensation", bytemuck::cast_slice(&scene.compensations))?,
-            textures: upload("textures", bytemuck::cast_slice(&textures))?,
-            tables: upload("tables", bytemuck::cast_slice(&scene.tables))?,
             light_count: scene.lights.len() as u32,
-            lights: upload("lights", bytemuck::cast_slice(&scene.lights))?,
             table_lights: scene.table_lights,
             table_probability: scene.table_probability,
             tree_probability: (1.0 - scene.table_probability) * (1.0 - scene.background_probability),
-            light_tree: upload("light tree", bytemuck::cast_slice(&scene.light_tree.nodes))?,
-            light_tree_origin: scene.light_tree.origin.into(),
-            light_tree_scale: scene.light_tree.scale,
-            instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
+            light_tree_origin: scene.light_tree_origin.into(),
+            light_tree_scale: scene.light_tree_scale,
             centre: (0.5 * (scene.bounds.min + scene.bounds.max)).into(),
             radius: sphere_radius(scene),
             core_centre: core_centre.into(),
@@ -164,8 +132,20 @@ impl Uploaded {
             splat_unit: splat_unit(scene),
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,
+            primitives: place_of(Some(&primitives)),
+            corners: place_of(corners.as_ref()),
+            nodes: place_of(nodes.as_ref()),
+            textures: upload("textures", bytemuck::cast_slice(&textures))?,
+            instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
             filter_table: upload("pixel filter", bytemuck::cast_slice(&filter_table))?,
+            ..SceneUniforms::default()
         };
+        for array in scene.arrays(&needs) {
+            *(array.address)(&mut uniforms) = upload(array.name, array.bytes)?;
+        }
+        buffers.push(("primitives", primitives));
+        buffers.extend(corners.map(|buffer| ("corners", buffer)));
+        buffers.extend(nodes.map(|buffer| ("nodes", buffer)));
         let mut block = bytemuck::bytes_of(&uniforms).to_vec();
         append_table(&mut block, &scene.surfaces, UNIFORM_SURFACES);
         append_table(&mut block, &scene.materials, UNIFORM_MATERIALS);

@@ -9,82 +9,64 @@ use std::mem::discriminant;
 use bytemuck::Pod;
 
 use super::camera::Projection;
-use super::{Camera, Environment, FilmSettings, Filter, Group, Instance, LightTree, Scene, TechniqueRequest};
+use super::{Camera, Environment, FilmSettings, Filter, Group, Instance, Scene, TechniqueRequest};
 use crate::bvh::Bounds;
 use crate::image::{Texels, TextureImage};
+use crate::layout::scene_arrays;
 
-impl Scene {
-    /// Feeds everything that a picture depends on to a hash: arrays, images, cameras, film; not names in messages and warnings.
-    pub fn hash_content(&self, hasher: &mut impl Hasher) {
-        let Self {
-            source: _, // for messages
-            cameras,
-            film,
-            technique,
-            primitives,
-            corners,
-            normals,
-            uvs,
-            tangents,
-            colours,
-            surfaces,
-            materials,
-            material_names: _, // for messages: surfaces know materials by their indices
-            material_textures,
-            blends,
-            plastics,
-            principleds,
-            layereds,
-            compensations,
-            textures,
-            images,
-            tables,
-            lights,
-            table_lights,
-            table_probability,
-            light_tree,
-            background,
-            environment,
-            background_probability,
-            groups,
-            instances,
-            origin,
-            bounds,
-            warnings: _, // messages
-        } = self;
-        parts(cameras, hasher);
-        film.feed(hasher);
-        technique.feed(hasher);
-        array(primitives, hasher);
-        array(corners, hasher);
-        array(normals, hasher);
-        array(uvs, hasher);
-        array(tangents, hasher);
-        array(colours, hasher);
-        array(surfaces, hasher);
-        array(materials, hasher);
-        array(material_textures, hasher);
-        array(blends, hasher);
-        array(plastics, hasher);
-        array(principleds, hasher);
-        array(layereds, hasher);
-        array(compensations, hasher);
-        array(textures, hasher);
-        parts(images, hasher);
-        array(tables, hasher);
-        array(lights, hasher);
-        bits(table_lights, hasher);
-        bits(table_probability, hasher);
-        light_tree.feed(hasher);
-        array(background.as_slice(), hasher);
-        parts(environment.as_slice(), hasher);
-        bits(background_probability, hasher);
-        parts(groups, hasher);
-        parts(instances, hasher);
-        bits(origin, hasher);
-        bounds.feed(hasher);
-    }
+macro_rules! hash_content {
+    (
+        whole { $( $(#[$doc:meta])* $field:ident : $kind:ident in $buffer:ident, $name:literal $(if $need:ident)?; )* }
+        changed { $( $(#[$other_doc:meta])* $other:ident : $other_kind:ident $(in $other_buffer:ident)?, $other_name:literal; )* }
+        made { $($made:tt)* }
+    ) => {
+        impl Scene {
+            /// Feeds everything that a picture depends on to a hash: arrays, images, cameras, film; not names in messages and warnings.
+            pub fn hash_content(&self, hasher: &mut impl Hasher) {
+                let Self {
+                    source: _, // for messages
+                    cameras,
+                    film,
+                    technique,
+                    material_names: _, // for messages: surfaces know materials by their indices
+                    images,
+                    table_lights,
+                    table_probability,
+                    light_tree_origin,
+                    light_tree_scale,
+                    background,
+                    environment,
+                    background_probability,
+                    groups,
+                    instances,
+                    origin,
+                    bounds,
+                    warnings: _, // messages
+                    $($field,)*
+                    $($other,)*
+                } = self;
+                parts(cameras, hasher);
+                film.feed(hasher);
+                technique.feed(hasher);
+                $(array($field, hasher);)*
+                $(array($other, hasher);)*
+                parts(images, hasher);
+                bits(table_lights, hasher);
+                bits(table_probability, hasher);
+                bits(light_tree_origin, hasher);
+                bits(light_tree_scale, hasher);
+                array(background.as_slice(), hasher);
+                parts(environment.as_slice(), hasher);
+                bits(background_probability, hasher);
+                parts(groups, hasher);
+                parts(instances, hasher);
+                bits(origin, hasher);
+                bounds.feed(hasher);
+            }
+        }
+    };
 }
+scene_arrays!(hash_content);
 
 /// Feeds a number, or a fixed number of them.
 fn bits<T: Pod>(value: &T, hasher: &mut impl Hasher) {
@@ -175,21 +157,11 @@ impl Part for TextureImage {
     }
 }
 
-impl Part for LightTree {
-    fn feed(&self, hasher: &mut impl Hasher) {
-        let Self { nodes, origin, scale } = self;
-        array(nodes, hasher);
-        bits(origin, hasher);
-        bits(scale, hasher);
-    }
-}
-
 impl Part for Environment {
     fn feed(&self, hasher: &mut impl Hasher) {
-        let Self { texture, from_world, table, cells } = self;
+        let Self { texture, from_world, cells } = self;
         bits(texture, hasher);
         bits(from_world, hasher);
-        array(table, hasher);
         bits(cells, hasher);
     }
 }
@@ -231,53 +203,56 @@ mod tests {
     use super::*;
     use crate::scene::camera::FovAxis;
 
-    /// A scene with one of everything, each of it nothing but zeros.
-    fn scene() -> Scene {
-        fn one<T: Zeroable>() -> Vec<T> {
-            vec![T::zeroed()]
-        }
-        Scene {
-            source: PathBuf::from("scene.xml"),
-            cameras: vec![Camera::new("camera", DAffine3::ZERO, 0.0, FovAxis::X)],
-            film: FilmSettings { width: 0, height: 0, filter: Filter::Box },
-            technique: TechniqueRequest::default(),
-            primitives: one(),
-            corners: one(),
-            normals: one(),
-            uvs: one(),
-            tangents: one(),
-            colours: one(),
-            surfaces: one(),
-            materials: one(),
-            material_names: vec![None],
-            material_textures: one(),
-            blends: one(),
-            plastics: one(),
-            principleds: one(),
-            layereds: one(),
-            compensations: one(),
-            textures: one(),
-            images: vec![TextureImage {
-                source: PathBuf::from("image.png"),
-                width: 0,
-                height: 0,
-                texels: Texels::Srgb8(one()),
-            }],
-            tables: one(),
-            lights: one(),
-            table_lights: 0,
-            table_probability: 0.0,
-            light_tree: LightTree { nodes: one(), origin: Vec3::ZERO, scale: 0.0 },
-            background: Some([0.0; 3]),
-            environment: Some(Environment { texture: 0, from_world: [[0.0; 3]; 3], table: one(), cells: [0; 2] }),
-            background_probability: 0.0,
-            groups: vec![Group { name: String::from("group"), triangles: 0..0, spheres: 0..0 }],
-            instances: vec![Instance { group: 0, to_world: DAffine3::ZERO }],
-            origin: DVec3::ZERO,
-            bounds: Bounds { min: Vec3::ZERO, max: Vec3::ZERO },
-            warnings: Vec::new(),
-        }
+    macro_rules! of_arrays {
+        (
+            whole { $( $(#[$doc:meta])* $field:ident : $kind:ident in $buffer:ident, $name:literal $(if $need:ident)?; )* }
+            changed { $( $(#[$other_doc:meta])* $other:ident : $other_kind:ident $(in $other_buffer:ident)?, $other_name:literal; )* }
+            made { $($made:tt)* }
+        ) => {
+            /// A scene with one of everything, each of it nothing but zeros.
+            fn scene() -> Scene {
+                fn one<T: Zeroable>() -> Vec<T> {
+                    vec![T::zeroed()]
+                }
+                Scene {
+                    source: PathBuf::from("scene.xml"),
+                    cameras: vec![Camera::new("camera", DAffine3::ZERO, 0.0, FovAxis::X)],
+                    film: FilmSettings { width: 0, height: 0, filter: Filter::Box },
+                    technique: TechniqueRequest::default(),
+                    material_names: vec![None],
+                    images: vec![TextureImage {
+                        source: PathBuf::from("image.png"),
+                        width: 0,
+                        height: 0,
+                        texels: Texels::Srgb8(one()),
+                    }],
+                    table_lights: 0,
+                    table_probability: 0.0,
+                    light_tree_origin: Vec3::ZERO,
+                    light_tree_scale: 0.0,
+                    background: Some([0.0; 3]),
+                    environment: Some(Environment { texture: 0, from_world: [[0.0; 3]; 3], cells: [0; 2] }),
+                    background_probability: 0.0,
+                    groups: vec![Group { name: String::from("group"), triangles: 0..0, spheres: 0..0 }],
+                    instances: vec![Instance { group: 0, to_world: DAffine3::ZERO }],
+                    origin: DVec3::ZERO,
+                    bounds: Bounds { min: Vec3::ZERO, max: Vec3::ZERO },
+                    warnings: Vec::new(),
+                    $($field: one(),)*
+                    $($other: one(),)*
+                }
+            }
+
+            /// The bytes of each array.
+            fn bytes_of_arrays(scene: &mut Scene) -> Vec<&mut [u8]> {
+                vec![
+                    $(bytemuck::cast_slice_mut(&mut scene.$field),)*
+                    $(bytemuck::cast_slice_mut(&mut scene.$other),)*
+                ]
+            }
+        };
     }
+    scene_arrays!(of_arrays);
 
     fn hash(scene: &Scene) -> u64 {
         let mut hasher = DefaultHasher::new();
@@ -288,9 +263,9 @@ mod tests {
     /// Changes the fields of one struct of the scene, each by itself; it must become another scene (`other`) or stay the same (`same`).
     /// The rows must be all fields: what they leave out is missing in a pattern, and the compiler says "inaccessible fields".
     macro_rules! check_fields {
-        ($struct:ident, |$scene:ident| $place:expr, { $($field:ident: $outcome:ident |$it:ident| $change:expr;)* }) => {{
+        ($struct:ident, |$scene:ident| $place:expr, { $($field:ident: $outcome:ident |$it:ident| $change:expr;)* } $($rest:tt)?) => {{
             let mut $scene = scene();
-            let $struct { $($field: _),* } = &mut $place;
+            let $struct { $($field: _,)* $($rest)? } = &mut $place;
             $(
                 let mut $scene = scene();
                 let $it = &mut $place.$field;
@@ -308,28 +283,12 @@ mod tests {
             cameras: other |it| it.push(it[0].clone());
             film: other |it| it.width = 1;
             technique: other |it| it.spp = Some(1);
-            primitives: other |it| it[0].v2[2] = 1.0;
-            corners: other |it| it[0].i2 = 1;
-            normals: other |it| it[0][2] = 1.0;
-            uvs: other |it| it[0][1] = 1.0;
-            tangents: other |it| it[0][3] = 1.0;
-            colours: other |it| it[0][3] = 1.0;
-            surfaces: other |it| it[0].opacity_cutoff = 1.0;
-            materials: other |it| it[0].conductor_k[2] = 1.0;
             material_names: same |it| it[0] = Some(String::from("gold"));
-            material_textures: other |it| it[0].bump_scale = 1.0;
-            blends: other |it| it[0].weight_texture = 1;
-            plastics: other |it| it[0].table = 1;
-            principleds: other |it| it[0].clearcoat_gloss = 1.0;
-            layereds: other |it| it[0].sheen_roughness_texture = 1;
-            compensations: other |it| it[0].alpha = 1.0;
-            textures: other |it| (it[0].levels, it[0].sampling) = (1, 1);
             images: other |it| it.push(it[0].clone());
-            tables: other |it| it[0] = 1.0;
-            lights: other |it| it[0].absorption[2] = 1.0;
             table_lights: other |it| *it = 1;
             table_probability: other |it| *it = 1.0;
-            light_tree: other |it| it.scale = 1.0;
+            light_tree_origin: other |it| it.z = 1.0;
+            light_tree_scale: other |it| *it = 1.0;
             background: other |it| *it = None;
             environment: other |it| *it = None;
             background_probability: other |it| *it = 1.0;
@@ -338,7 +297,7 @@ mod tests {
             origin: other |it| it.z = 1.0;
             bounds: other |it| it.max.z = 1.0;
             warnings: same |it| it.push(String::from("a face was dropped"));
-        });
+        } ..); // the arrays are below
         check_fields!(Camera, |scene| scene.cameras[0], {
             name: other |it| it.push('2');
             to_world: other |it| it.translation.z = 1.0;
@@ -365,11 +324,6 @@ mod tests {
             height: other |it| *it = 1;
             texels: other |it| *it = Texels::Srgb8(vec![[0, 0, 0, 1]]);
         });
-        check_fields!(LightTree, |scene| scene.light_tree, {
-            nodes: other |it| it[0].link = 1;
-            origin: other |it| it.z = 1.0;
-            scale: other |it| *it = 1.0;
-        });
         check_fields!(Group, |scene| scene.groups[0], {
             name: same |it| it.push('2');
             triangles: other |it| it.end = 1;
@@ -386,9 +340,18 @@ mod tests {
         check_fields!(Environment, |scene| scene.environment.as_mut().unwrap(), {
             texture: other |it| *it = 1;
             from_world: other |it| it[2][2] = 1.0;
-            table: other |it| it[0].density = 1.0;
             cells: other |it| it[1] = 1;
         });
+    }
+
+    /// A bit of the last member of each array makes another scene.
+    #[test]
+    fn every_array_counts() {
+        for index in 0..bytes_of_arrays(&mut scene()).len() {
+            let mut other = scene();
+            *bytes_of_arrays(&mut other)[index].last_mut().unwrap() = 1;
+            assert_ne!(hash(&other), hash(&scene()), "array {index}");
+        }
     }
 
     /// What is a choice with parameters: each choice and each parameter makes another scene.

@@ -3,6 +3,7 @@
 //! A file becomes a scene in two steps: [`load`](load()) describes what it holds to a [`SceneBuilder`] in double precision, and
 //! [`SceneBuilder::finish`] ([`compile`]) places it, drops what is degenerate, and checks the rest.
 
+mod arrays;
 pub mod compile;
 mod description;
 mod diffuse;
@@ -18,6 +19,7 @@ use std::path::PathBuf;
 
 use glam::{DAffine3, DVec3, Vec3};
 
+pub use arrays::DeviceArray;
 pub use description::{
     Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
     camera, filter, light, material, texture,
@@ -33,7 +35,7 @@ use crate::layout::{
     LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_LAYERED,
     MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
     MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, NONE, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
-    Texture,
+    Texture, float, scene_arrays, vec2, vec3, vec4,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -43,78 +45,57 @@ const GLOSSY: f32 = 0.2;
 /// A lamp is small where its area, beside the square of the scene's radius, is below this.
 const SMALL: f32 = 0.2;
 
-/// A scene, ready to be uploaded.
-#[derive(Clone, Debug)]
-pub struct Scene {
-    /// Where it came from, for messages.
-    pub source: PathBuf,
-    /// Every camera; there is at least one.
-    pub cameras: Vec<Camera>,
-    /// The image that the file asks for.
-    pub film: FilmSettings,
-    /// The technique that the file asks for, if any.
-    pub technique: TechniqueRequest,
-    /// All triangles and spheres, group by group; within a group the triangles come first.
-    pub primitives: Vec<Primitive>,
-    /// Where the attributes of each primitive lie; empty where no mesh has any.
-    pub corners: Vec<Corners>,
-    /// Vertex normals, unit. This and the following attributes share their indices, and each is empty where no mesh has it.
-    pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates.
-    pub uvs: Vec<[f32; 2]>,
-    /// Tangents, and the sign of the bitangent.
-    pub tangents: Vec<[f32; 4]>,
-    /// Vertex colours.
-    pub colours: Vec<[f32; 4]>,
-    /// What the primitives are made of.
-    pub surfaces: Vec<Surface>,
-    /// The parameters of the BSDFs.
-    pub materials: Vec<Material>,
-    /// What they are called in the file, where they have names.
-    pub material_names: Vec<Option<String>>,
-    /// The textures of the materials.
-    pub material_textures: Vec<MaterialTextures>,
-    /// What blends are made of.
-    pub blends: Vec<Blend>,
-    /// What plastics need besides.
-    pub plastics: Vec<Plastic>,
-    /// What principled materials need besides.
-    pub principleds: Vec<Principled>,
-    /// What layered materials need besides.
-    pub layereds: Vec<Layered>,
-    /// What compensated materials need besides.
-    pub compensations: Vec<Compensation>,
-    /// Textures; each names its image where it will hold its address.
-    pub textures: Vec<Texture>,
-    /// Images that textures show.
-    pub images: Vec<TextureImage>,
-    /// Tables of floats; where anything is textured, the first 256 decode 8-bit sRGB.
-    pub tables: Vec<f32>,
-    /// The lights, with the probability of selecting each of those in the table. They come first.
-    pub lights: Vec<Light>,
-    /// How many are selected from the alias table; the others are selected from the tree.
-    pub table_lights: u32,
-    /// Probability of selecting one from the table, where the background was not selected.
-    pub table_probability: f32,
-    /// The tree that the other lights are selected from.
-    pub light_tree: LightTree,
-    /// Radiance of the background, if it emits.
-    pub background: Option<[f32; 3]>,
-    /// The image that the background shows.
-    pub environment: Option<Environment>,
-    /// Probability of selecting the background as the light to sample.
-    pub background_probability: f32,
-    /// Runs of primitives that are placed together.
-    pub groups: Vec<Group>,
-    /// Placements of groups, in the rebased world.
-    pub instances: Vec<Instance>,
-    /// World coordinates of the origin that all positions here are relative to.
-    pub origin: DVec3,
-    /// The box around everything that is placed, relative to `origin`.
-    pub bounds: Bounds,
-    /// What the user should know: defaults that stepped in, degenerate faces that were dropped.
-    pub warnings: Vec<String>,
+macro_rules! scene_struct {
+    (
+        whole { $( $(#[$doc:meta])* $field:ident : $kind:ident in $buffer:ident, $name:literal $(if $need:ident)?; )* }
+        changed { $( $(#[$other_doc:meta])* $other:ident : $other_kind:ident $(in $other_buffer:ident)?, $other_name:literal; )* }
+        made { $($made:tt)* }
+    ) => {
+        /// A scene, ready to be uploaded. The arrays that go to a device are those of the list in `layout`.
+        #[derive(Clone, Debug)]
+        pub struct Scene {
+            /// Where it came from, for messages.
+            pub source: PathBuf,
+            /// Every camera; there is at least one.
+            pub cameras: Vec<Camera>,
+            /// The image that the file asks for.
+            pub film: FilmSettings,
+            /// The technique that the file asks for, if any.
+            pub technique: TechniqueRequest,
+            /// What the materials are called in the file, where they have names.
+            pub material_names: Vec<Option<String>>,
+            /// Images that textures show.
+            pub images: Vec<TextureImage>,
+            /// Lights that are selected from the alias table; the others are selected from the tree.
+            pub table_lights: u32,
+            /// Probability of selecting one from the table, where the background was not selected.
+            pub table_probability: f32,
+            /// Origin of the coordinates of the light tree's nodes.
+            pub light_tree_origin: Vec3,
+            /// Factor on coordinates relative to that.
+            pub light_tree_scale: f32,
+            /// Radiance of the background, if it emits.
+            pub background: Option<[f32; 3]>,
+            /// The image that the background shows.
+            pub environment: Option<Environment>,
+            /// Probability of selecting the background as the light to sample.
+            pub background_probability: f32,
+            /// Runs of primitives that are placed together.
+            pub groups: Vec<Group>,
+            /// Placements of groups, in the rebased world.
+            pub instances: Vec<Instance>,
+            /// World coordinates of the origin that all positions here are relative to.
+            pub origin: DVec3,
+            /// The box around everything that is placed, relative to `origin`.
+            pub bounds: Bounds,
+            /// What the user should know: defaults that stepped in, degenerate faces that were dropped.
+            pub warnings: Vec<String>,
+            $( $(#[$other_doc])* pub $other: Vec<$other_kind>, )*
+            $( $(#[$doc])* pub $field: Vec<$kind>, )*
+        }
+    };
 }
+scene_arrays!(scene_struct);
 
 /// A background that is an image, in latitude and longitude.
 #[derive(Clone, Debug)]
@@ -123,21 +104,8 @@ pub struct Environment {
     pub texture: u32,
     /// From world to image directions, by rows: the image's up axis is +y, its middle -z... turned by this.
     pub from_world: [[f32; 3]; 3],
-    /// Alias table over its cells.
-    pub table: Vec<AliasEntry>,
-    /// Cells across and down.
+    /// Cells of its alias table ([`Scene::background_table`]), across and down.
     pub cells: [u32; 2],
-}
-
-/// A tree over lights; empty where all are selected from the table.
-#[derive(Clone, Debug, Default)]
-pub struct LightTree {
-    /// The nodes, the root first; children lie side by side.
-    pub nodes: Vec<LightNode>,
-    /// Where their coordinates have their origin ...
-    pub origin: Vec3,
-    /// ... and by what they are multiplied.
-    pub scale: f32,
 }
 
 /// A run of primitives that are placed together.

@@ -198,7 +198,7 @@ impl Needs {
             energy_compensation: flags & MATERIAL_IS_COMPENSATED != 0,
             lights,
             large_lights: scene.lights.iter().any(|light| is_large(light, scene)),
-            light_tree: !scene.light_tree.nodes.is_empty(),
+            light_tree: !scene.light_tree.is_empty(),
             textured_lights,
             projectors,
             background: scene.background.is_some(),

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use super::alias::alias_table;
 use super::flatten::Emitter;
 use super::light::{power, triangle_area};
-use super::light_tree;
+use super::light_tree::{self, LightTree};
 use crate::layout::{LIGHT_DIRECTIONAL, LIGHT_LEAF_BIT, LIGHT_SPHERE, Light, Primitive, SURFACE_MASK, Surface};
-use crate::scene::{LightSelection, LightTree};
+use crate::scene::LightSelection;
 
 /// Lights from which on a tree is worth its descent.
 const MANY: usize = 32;

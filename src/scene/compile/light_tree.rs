@@ -13,7 +13,17 @@ use super::light::{importance, triangle_area};
 use crate::layout::{
     LIGHT_LEAF_BIT, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, LightNode,
 };
-use crate::scene::LightTree;
+
+/// A tree over lights; empty where all are selected from the table.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LightTree {
+    /// The nodes, the root first; children lie side by side.
+    pub nodes: Vec<LightNode>,
+    /// Origin of their coordinates.
+    pub origin: Vec3,
+    /// Factor on coordinates relative to that.
+    pub scale: f32,
+}
 
 /// Candidates of a split along each axis.
 const BINS: usize = 12;

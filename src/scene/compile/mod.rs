@@ -24,7 +24,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use crate::bvh::Bounds;
 use crate::error::{Error, Result, plain};
 use crate::image::srgb_table;
-use crate::layout::{LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE, Surface};
+use crate::layout::{AliasEntry, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE, Surface};
 use crate::scene::description::texture::Pattern;
 use crate::scene::description::{SceneBuilder, WORLD, union};
 use crate::scene::material::MaterialDescription;
@@ -96,9 +96,9 @@ impl SceneBuilder {
         });
         let radius = (bounds.max - bounds.min).length() as f64 * 0.5;
         let mut background = self.background.filter(|rgb| importance(*rgb) > 0.0);
-        let environment = match (self.environment, background) {
-            (Some((texture, axes)), Some(_)) => self.sample_environment(texture, axes)?,
-            _ => None,
+        let (environment, background_table) = match (self.environment, background) {
+            (Some((texture, axes)), Some(_)) => self.sample_environment(texture, axes)?.unzip(),
+            _ => (None, None),
         };
         if self.environment.is_some() && environment.is_none() {
             background = None;
@@ -151,9 +151,12 @@ impl SceneBuilder {
             lights: table.lights,
             table_lights: table.in_table,
             table_probability: table.table_probability as f32,
-            light_tree: table.tree,
+            light_tree: table.tree.nodes,
+            light_tree_origin: table.tree.origin,
+            light_tree_scale: table.tree.scale,
             background: background.map(|rgb| rgb.map(|channel| channel as f32)),
             environment,
+            background_table: background_table.unwrap_or_default(),
             background_probability: table.background_probability as f32,
             groups: placed,
             instances,
@@ -166,17 +169,13 @@ impl SceneBuilder {
     }
 
     /// The environment with the table that it is sampled by; nothing where it is black.
-    fn sample_environment(&self, texture: u32, axes: DMat3) -> Result<Option<Environment>> {
+    fn sample_environment(&self, texture: u32, axes: DMat3) -> Result<Option<(Environment, Vec<AliasEntry>)>> {
         let Pattern::Image(image) = self.textures[texture as usize].pattern else {
             return Err(Error::scene(&self.source, "an environment must be an image"));
         };
         let rows = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.normalize().as_vec3().to_array());
-        Ok(environment::table(&self.images[image]).map(|(table, cells)| Environment {
-            texture,
-            from_world: rows,
-            table,
-            cells,
-        }))
+        Ok(environment::table(&self.images[image])
+            .map(|(table, cells)| (Environment { texture, from_world: rows, cells }, table)))
     }
 
     /// What its texture leaves of a light in the mean. `brightness` keeps the means of textures, which take a look at every
