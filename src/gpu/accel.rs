@@ -255,11 +255,11 @@ impl Structure {
             .dst_acceleration_structure(structure.raw)
             .scratch_data(vk::DeviceOrHostAddressKHR { device_address: scratch.address().next_multiple_of(alignment) });
         let ranges = [vk::AccelerationStructureBuildRangeInfoKHR::default().primitive_count(count)];
-        gpu.run("acceleration-structure build", &format!("'{name}', {count} primitives"), |commands| {
-            commands.barrier();
+        gpu.run_raw("acceleration-structure build", &format!("'{name}', {count} primitives"), |recording| {
+            recording.barrier();
             // SAFETY: input, scratch and structure are alive until the submission is done; the sizes are the driver's own.
-            unsafe { functions.cmd_build_acceleration_structures(commands.raw(), &[info], &[&ranges]) };
-            commands.barrier();
+            unsafe { functions.cmd_build_acceleration_structures(recording.raw, &[info], &[&ranges]) };
+            recording.barrier();
         })?;
         Ok(structure)
     }
@@ -275,12 +275,12 @@ impl Structure {
         // SAFETY: the device is alive; the pool is destroyed below on every path.
         let query = unsafe { device.create_query_pool(&query_info, None) }.map_err(gpu.failed("create a query"))?;
         gpu.name(query, name);
-        let asked = gpu.run("acceleration-structure size query", name, |commands| {
+        let asked = gpu.run_raw("acceleration-structure size query", name, |recording| {
             // SAFETY: the query and the structure are alive until the submission is done, and the build before it is.
             unsafe {
-                device.cmd_reset_query_pool(commands.raw(), query, 0, 1);
+                device.cmd_reset_query_pool(recording.raw, query, 0, 1);
                 functions.cmd_write_acceleration_structures_properties(
-                    commands.raw(),
+                    recording.raw,
                     &[self.raw],
                     vk::QueryType::ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR,
                     query,
@@ -310,11 +310,11 @@ impl Structure {
             .src(self.raw)
             .dst(compacted.raw)
             .mode(vk::CopyAccelerationStructureModeKHR::COMPACT);
-        gpu.run("acceleration-structure compaction", name, |commands| {
-            commands.barrier();
+        gpu.run_raw("acceleration-structure compaction", name, |recording| {
+            recording.barrier();
             // SAFETY: both structures are alive until the submission is done; the target has the size that was asked for.
-            unsafe { functions.cmd_copy_acceleration_structure(commands.raw(), &info) };
-            commands.barrier();
+            unsafe { functions.cmd_copy_acceleration_structure(recording.raw, &info) };
+            recording.barrier();
         })?;
         Ok(compacted)
     }

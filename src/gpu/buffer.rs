@@ -181,7 +181,10 @@ impl Buffer {
             let part = chunk.min(size - offset);
             make(offset, &mut staging.mapped()?[..part as usize]);
             let region = vk::BufferCopy::default().dst_offset(start + offset).size(part);
-            self.gpu.transfer(&format!("upload of '{}'", self.name), &staging, self, region)?;
+            // SAFETY: both buffers are alive here, and the part lies inside both: the callers keep it inside this one.
+            unsafe {
+                self.gpu.transfer(&format!("upload of '{}'", self.name), staging.raw, self.raw, region)?;
+            }
             offset += part;
         }
         Ok(())
@@ -209,7 +212,10 @@ impl Buffer {
         )?;
         for (index, part) in out.chunks_mut(chunk as usize).enumerate() {
             let region = vk::BufferCopy::default().src_offset(start + index as u64 * chunk).size(part.len() as u64);
-            self.gpu.transfer(&format!("readback of '{}'", self.name), self, &staging, region)?;
+            // SAFETY: both buffers are alive here, and the part lies inside both: the callers keep it inside this one.
+            unsafe {
+                self.gpu.transfer(&format!("readback of '{}'", self.name), self.raw, staging.raw, region)?;
+            }
             part.copy_from_slice(&staging.mapped()?[..part.len()]);
         }
         Ok(())
@@ -217,7 +223,8 @@ impl Buffer {
 
     /// Sets every byte to zero.
     pub fn clear(&self) -> Result<()> {
-        self.gpu.clear(self)
+        // SAFETY: this buffer is alive and has a multiple of four bytes.
+        unsafe { self.gpu.clear(self.raw, self.size) }
     }
 
     fn mapped(&mut self) -> Result<&mut [u8]> {

@@ -8,8 +8,8 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
 use super::fault::Fault;
-use super::frame::Submission;
 use super::instance::{Instance, InstanceShared};
+use super::submission::Submission;
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
 use crate::error::{Error, Result, one_of};
 use crate::layout::backend::Backend;
@@ -161,8 +161,17 @@ impl Gpu {
                 raw,
             }),
         };
-        gpu.submission().name(&gpu);
+        gpu.name_submission();
         Ok(gpu)
+    }
+
+    fn name_submission(&self) {
+        let submission = self.submission();
+        self.name(submission.queue, "compute queue");
+        self.name(submission.pool, "command pool");
+        self.name(submission.commands, "command buffer");
+        self.name(submission.fence, "submission done");
+        self.name(submission.timestamps, "timestamps");
     }
 
     /// What the device is.

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 
-use super::survey::Survey;
+use super::survey::{Survey, version_text};
 use crate::error::{Error, Result};
 
 /// Messages of the validation layer that nobody has read yet.
@@ -160,9 +160,4 @@ impl Drop for InstanceShared {
             self.raw.destroy_instance(None);
         }
     }
-}
-
-/// A packed Vulkan version as text.
-pub(super) fn version_text(version: u32) -> String {
-    format!("{}.{}.{}", vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version))
 }

@@ -5,18 +5,22 @@
 
 pub mod accel;
 mod buffer;
+mod commands;
 mod device;
 mod fault;
-mod frame;
 mod instance;
 mod mesa;
 mod pipeline;
+mod queue;
+mod submission;
 mod survey;
 
 pub use buffer::Buffer;
+pub use commands::Commands;
 pub use device::{Gpu, Limits};
-pub use frame::{Commands, Work};
+
 pub use instance::Instance;
 pub use mesa::compile_quickly;
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
+pub use queue::Work;
 pub use survey::{DeviceKind, Survey};

@@ -5,7 +5,6 @@ use std::ffi::CStr;
 use ash::{ext, khr, vk};
 use serde::Serialize;
 
-use super::instance::version_text;
 use crate::layout::backend::{BACKENDS, Backend};
 
 /// The kind of hardware behind a device.
@@ -189,4 +188,9 @@ fn text(name: Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
 fn uuid_text(bytes: &[u8; 16]) -> String {
     let hex = |range: std::ops::Range<usize>| bytes[range].iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     format!("{}-{}-{}-{}-{}", hex(0..4), hex(4..6), hex(6..8), hex(8..10), hex(10..16))
+}
+
+/// A packed Vulkan version as text.
+pub(super) fn version_text(version: u32) -> String {
+    format!("{}.{}.{}", vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version))
 }
