@@ -8,8 +8,9 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
 
+use super::bounds::Bounds;
 use super::partition::{Chunk, partition};
-use super::{Bounds, Bvh, depth_below, wide_tree};
+use super::tree::{Bvh, depth_below, wide_tree};
 
 /// One of the boxes of a chunk: a list of references takes a third of the memory of a list of boxes.
 struct Member<'a, T>(&'a T);

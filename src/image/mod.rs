@@ -2,6 +2,7 @@
 
 mod decode;
 mod exr;
+mod file;
 mod limits;
 pub mod metrics;
 mod picture;
@@ -11,7 +12,8 @@ mod texels;
 
 pub use decode::{Encoding, decode_texture, read_texture};
 pub use exr::{read_attribute, read_layer};
-pub use picture::{Format, NamedLayer, Picture, format_of, read_image, write_picture};
+pub use file::{read_image, write_picture};
+pub use picture::{Format, NamedLayer, Picture, format_of};
 pub(crate) use png::png_of;
 pub use srgb::{srgb_byte, srgb_table, srgb_to_linear};
 pub use texels::{Texels, TextureImage};

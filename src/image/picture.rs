@@ -1,10 +1,9 @@
-//! Image files by the extension of their name: EXR (linear, with layers and a header) and PNG (sRGB).
+//! What an image file holds, and the format that its name asks for.
 
 use std::path::Path;
 
-use super::{Image, exr, png};
+use super::Image;
 use crate::error::{Error, Result};
-use crate::files::replace_file;
 
 /// A format that images are written in, by the extension of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,23 +40,5 @@ pub fn format_of(path: &Path) -> Result<Format> {
         Some("exr") => Ok(Format::Exr),
         Some("png") => Ok(Format::Png),
         _ => Err(Error::Usage(format!("{}: the extension of an output must be .exr or .png", path.display()))),
-    }
-}
-
-/// Writes a picture in the format that the file name asks for.
-pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
-    let format = format_of(path)?;
-    replace_file(path, |file| match format {
-        Format::Exr => exr::write(file, picture),
-        Format::Png => png::write(file, &picture.image),
-    })
-}
-
-/// The R, G and B channels of an image as linear values.
-pub fn read_image(path: &Path) -> Result<Image> {
-    std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-    match format_of(path)? {
-        Format::Exr => exr::read(path),
-        Format::Png => png::read(path),
     }
 }

@@ -1,10 +1,19 @@
 //! Writes the module that is left.
 
-use super::Arithmetic;
 use super::live::Live;
 use super::module::{HEADER, Instruction};
 use super::op;
 use super::propagate::{Block, Propagation};
+
+/// How a driver may treat arithmetic on floats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// It may regroup sums and products, as SPIR-V allows by itself: faster, and the last bits follow how code is put together.
+    #[default]
+    Free,
+    /// As it is written, each result decorated `NoContraction`: the last bits follow the shader's text alone.
+    Exact,
+}
 
 /// Writes words, with identifiers numbered in the order of their first use.
 struct Writer<'a, 'b> {
@@ -82,7 +91,7 @@ impl Writer<'_, '_> {
         for (index, instruction) in (0u32..).zip(&self.found.module.code) {
             if op::is_arithmetic(instruction.op) && self.live.instructions[index as usize] {
                 let id = self.found.module.result(*instruction).map_or(0, |id| self.number(id));
-                self.write(op::DECORATE, &[id, super::NO_CONTRACTION]);
+                self.write(op::DECORATE, &[id, op::NO_CONTRACTION]);
             }
         }
     }
@@ -123,7 +132,7 @@ impl Writer<'_, '_> {
         match instruction.op {
             op::DECORATE | op::MEMBER_DECORATE | op::TYPE_FORWARD_POINTER => {
                 // A constant that is not to be chosen any more has no `constant_id`.
-                let is_choice = instruction.op == op::DECORATE && operands.get(1) == Some(&super::SPEC_ID);
+                let is_choice = instruction.op == op::DECORATE && operands.get(1) == Some(&op::SPEC_ID);
                 if is_live(operands[0]) && !is_choice {
                     self.copy(instruction);
                 }

@@ -65,7 +65,7 @@ impl<'a> Live<'a> {
                         .into_iter()
                         .for_each(|main| new.keep_function(main));
                 }
-                op::DECORATE if module.operands(*instruction)[1..] == super::WORKGROUP_SIZE => {
+                op::DECORATE if module.operands(*instruction)[1..] == op::WORKGROUP_SIZE => {
                     new.need(module.operands(*instruction)[0]);
                 }
                 _ => {}

@@ -20,12 +20,7 @@ pub mod propagate;
 
 use module::Module;
 
-/// The decoration that gives a constant its `constant_id`.
-const SPEC_ID: u32 = 1;
-/// The decoration that forbids regrouping.
-const NO_CONTRACTION: u32 = 42;
-/// `BuiltIn WorkgroupSize`: means something by being there.
-const WORKGROUP_SIZE: [u32; 2] = [11, 25];
+pub use emit::Arithmetic;
 
 /// A module that was made for some values of its specialisation constants.
 #[derive(Clone, Debug)]
@@ -36,16 +31,6 @@ pub struct Specialised {
     pub before: usize,
     /// Instructions that are left.
     pub after: usize,
-}
-
-/// How a driver may treat arithmetic on floats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Arithmetic {
-    /// It may regroup sums and products, as SPIR-V allows by itself: faster, and the last bits follow how code is put together.
-    #[default]
-    Free,
-    /// As it is written, each result decorated `NoContraction`: the last bits follow the shader's text alone.
-    Exact,
 }
 
 /// The module for these values: pairs of a `constant_id` and its bits. A constant without a pair keeps its default. Fails where the words

@@ -200,3 +200,10 @@ pub fn row(op: u16) -> Option<Row> {
     };
     Some(Row { typed, result, operands })
 }
+
+/// The decoration that gives a constant its `constant_id`.
+pub(super) const SPEC_ID: u32 = 1;
+/// The decoration that forbids regrouping.
+pub(super) const NO_CONTRACTION: u32 = 42;
+/// `BuiltIn WorkgroupSize`: means something by being there.
+pub(super) const WORKGROUP_SIZE: [u32; 2] = [11, 25];

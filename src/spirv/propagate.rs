@@ -283,7 +283,7 @@ impl<'a> Propagation<'a> {
         let module = self.module;
         let mut given = vec![None; module.bound as usize];
         for instruction in module.code.iter().filter(|instruction| instruction.op == op::DECORATE) {
-            if let &[target, super::SPEC_ID, id] = module.operands(*instruction) {
+            if let &[target, op::SPEC_ID, id] = module.operands(*instruction) {
                 given[target as usize] = constants.iter().find(|(constant, _)| *constant == id).map(|(_, bits)| *bits);
             }
         }

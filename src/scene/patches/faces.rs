@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
-use super::Point;
 use crate::layout::{NONE, Primitive, SMOOTH_BIT, SURFACE_MASK};
 use crate::scene::{Group, Scene};
 
@@ -286,6 +285,25 @@ fn partners(scene: &Scene, group: &Group) -> HashMap<usize, (usize, u32)> {
         waiting.insert((bits(q, r), p.surface), (index, turn as u32));
     }
     found
+}
+
+/// The corners of a patch in the coordinates of its face; of a triangle three.
+pub(super) fn corners(shape: &Shape, corner: DVec2, extent: DVec2) -> impl Iterator<Item = DVec2> {
+    let all = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+    let count = if matches!(shape, Shape::Triangle { .. }) { 3 } else { 4 };
+    all.into_iter().take(count).map(move |(u, v)| corner + extent * DVec2::new(u, v))
+}
+
+/// The middle of a patch likewise.
+pub(super) fn middle(shape: &Shape, corner: DVec2, extent: DVec2) -> DVec2 {
+    corner + extent * if matches!(shape, Shape::Triangle { .. }) { 1.0 / 3.0 } else { 0.5 }
+}
+
+/// A point of a surface and its unit normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub position: DVec3,
+    pub normal: DVec3,
 }
 
 #[cfg(test)]

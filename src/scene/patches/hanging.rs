@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::PatchMesh;
 use super::faces::{Face, Shape};
+use super::mesh::PatchMesh;
 use crate::layout::NONE;
 
 /// Where a vertex hangs.

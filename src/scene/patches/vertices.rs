@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::faces::Face;
+use super::faces::{Face, Point, corners, middle};
 use super::hanging;
-use super::{PatchMesh, Point, corners, middle};
+use super::mesh::PatchMesh;
 use crate::layout::NONE;
 
 /// Positions that are the same but for rounding, as a share of the largest coordinate.

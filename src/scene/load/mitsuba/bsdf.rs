@@ -2,8 +2,9 @@
 
 use std::rc::Rc;
 
+use super::loader::{Loader, Sides};
+use super::metals;
 use super::object::{Colour, Object};
-use super::{Loader, metals};
 use crate::error::{Result, all_of, one_of};
 use crate::layout::{MaterialTextures, NONE, Principled};
 use crate::scene::material;
@@ -53,14 +54,6 @@ const INDICES: [(&str, f64); 22] = [
     ("bromine", 1.661),
     ("diamond", 2.419),
 ];
-
-/// What a BSDF stands for: the materials of the front and of the back, and what the surface lets pass.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sides {
-    pub front: Side,
-    pub back: Side,
-    pub mask: Option<Mask>,
-}
 
 impl Loader {
     /// What a BSDF stands for.

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::Defines;
 use crate::error::{Error, Result, all_of};
 use crate::files::read_text;
 use crate::scene::load::limits::{DEPTH, INCLUDES, PARAMETER_BYTES, XML_BYTES, XML_ELEMENTS};
@@ -43,6 +42,9 @@ struct Parameters {
     /// Bytes that they stood for so far.
     bytes: Cell<usize>,
 }
+
+/// Parameters of the scene that the caller sets: `-D name=value`.
+pub(super) type Defines = [(String, String)];
 
 /// Reads a file and all that it includes.
 pub(super) fn read(path: &Path, defines: &Defines) -> Result<Element> {

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::Loader;
+use super::loader::Loader;
 use super::object::{Colour, Object};
 use crate::error::Result;
 use crate::image::Encoding;

@@ -1,6 +1,6 @@
 //! `<integrator>`: the technique that a scene asks for; the command line goes before it.
 
-use super::Loader;
+use super::loader::Loader;
 use super::object::Object;
 use crate::error::Result;
 

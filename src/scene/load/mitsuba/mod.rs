@@ -8,7 +8,9 @@ mod bsdf;
 mod document;
 mod emitter;
 mod integrator;
+mod loader;
 mod metals;
+mod numbers;
 mod object;
 mod sensor;
 mod shape;
@@ -17,19 +19,15 @@ mod texture;
 mod transform;
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
 use crate::error::{Error, Result};
-use crate::image::Encoding;
 use crate::scene::SceneBuilder;
 use crate::scene::description::WORLD;
 use crate::scene::load::LoadOptions;
-use bsdf::Sides;
+use loader::Loader;
 use object::Object;
-
-/// Parameters of the scene that the caller sets: `-D name=value`.
-pub type Defines = [(String, String)];
 
 /// Reads a scene file, up to what [`SceneBuilder::finish`] does.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<SceneBuilder> {
@@ -57,17 +55,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<SceneBuilder> {
     scene.finish()?;
     loader.builder.warnings.extend(scene.take_warnings());
     Ok(loader.builder)
-}
-
-/// What has been made so far; objects that several places refer to are made once.
-struct Loader {
-    builder: SceneBuilder,
-    materials: HashMap<*const Object, Sides>,
-    textures: HashMap<*const Object, u32>,
-    images: HashMap<(PathBuf, Encoding), usize>,
-    groups: HashMap<*const Object, usize>,
-    /// Rough metals and rough glass get back what they lose to multiple scattering.
-    energy_compensation: bool,
 }
 
 impl Loader {

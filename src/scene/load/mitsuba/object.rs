@@ -8,6 +8,7 @@ use std::rc::Rc;
 use glam::{DAffine3, DVec3};
 
 use super::document::{Element, resolve};
+use super::numbers::{number, numbers, vector};
 use super::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
 use super::transform;
 use crate::error::{Error, Result, all_of, one_of};
@@ -253,34 +254,6 @@ fn parse_spectrum(element: &Element) -> Result<Value> {
 
 fn name_of(element: &Element) -> &str {
     element.attributes.get("name").map_or("?", String::as_str)
-}
-
-/// A finite number.
-pub(super) fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// Finite numbers separated by commas or spaces.
-pub(super) fn numbers(text: &str) -> Option<Vec<f64>> {
-    text.split([',', ' ', '\t', '\n', '\r']).filter(|part| !part.is_empty()).map(number).collect()
-}
-
-/// Three numbers as `x`, `y`, `z` or as `value`; what is left out is `default`.
-pub(super) fn vector(element: &Element, default: f64) -> Result<DVec3> {
-    let wrong =
-        |text: &str| element.error(format!("<{}>: '{text}' is not a number (or, as 'value', three)", element.tag));
-    if let Some(text) = element.attributes.get("value") {
-        return match numbers(text).as_deref() {
-            Some([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
-            Some([all]) => Ok(DVec3::splat(*all)),
-            _ => Err(wrong(text)),
-        };
-    }
-    let component = |name: &str| match element.attributes.get(name) {
-        None => Ok(default),
-        Some(text) => number(text).ok_or_else(|| wrong(text)),
-    };
-    Ok(DVec3::new(component("x")?, component("y")?, component("z")?))
 }
 
 impl Object {

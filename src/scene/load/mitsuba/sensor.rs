@@ -1,6 +1,6 @@
 //! `<sensor>`, with its `<film>`, `<rfilter>` and `<sampler>`.
 
-use super::Loader;
+use super::loader::Loader;
 use super::object::Object;
 use crate::error::{Result, one_of};
 use crate::scene::camera::{Camera, FovAxis, Projection};

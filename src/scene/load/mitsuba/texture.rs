@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use glam::DAffine3;
 
-use super::Loader;
+use super::loader::Loader;
 use super::object::{Colour, Object};
 use crate::error::{Error, Result, one_of};
 use crate::image::{Encoding, read_texture};

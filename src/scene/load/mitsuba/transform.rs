@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::document::Element;
-use super::object::{number, numbers, vector};
+use super::numbers::{number, numbers, vector};
 use crate::error::Result;
 use crate::scene::camera;
 
