@@ -1,12 +1,18 @@
-// The main functions of the passes that fill the grid: cells are emptied, points counted, places allotted and filled. Before this is
-// included, the technique defines
-//     bool grid_point(uint index, out vec3 position)
-// which is false where nothing was kept.
+// The passes that fill the grid: cells are emptied, points counted, places allotted and filled. The points are the vertices that light
+// subpaths left: for each subpath their number, then room for `frame.light_vertices` records that begin with a position.
 #include "core/grid.glsl"
 
-layout(local_size_x = WORKGROUP) in;
+// A point's position; false where nothing was kept.
+bool grid_point(uint index, uint record_bytes, out vec3 position) {
+    uint path = index / frame.light_vertices, place = index % frame.light_vertices;
+    uint64_t first = pack64(frame.light_paths) + uint64_t(path) * (4ul + uint64_t(record_bytes) * uint64_t(frame.light_vertices));
+    position = vec3(0.0);
+    if (place >= GridPlaces(unpack32(first)).at[0]) return false;
+    position = Vectors(unpack32(first + 4ul + uint64_t(record_bytes) * uint64_t(place))).at[0];
+    return true;
+}
 
-void main() {
+void grid_build(uint record_bytes) {
     if (gl_GlobalInvocationID.x >= frame.slot_count) return;
     uint index = frame.first_slot + gl_GlobalInvocationID.x;
     GridCells cells = GridCells(frame.grid_cells);
@@ -20,7 +26,7 @@ void main() {
     cells.at[index] = GridCell(atomicAdd(cells.taken, count), 0u);
 #else
     vec3 position;
-    if (!grid_point(index, position)) return;
+    if (!grid_point(index, record_bytes, position)) return;
     uint cell = grid_index(grid_coordinates(position));
     uint before = atomicAdd(cells.at[cell].count, 1u);
 #ifdef PASS_GRID_FILL
@@ -28,3 +34,8 @@ void main() {
 #endif
 #endif
 }
+
+// The main function, for records of so many bytes.
+#define GRID_BUILD(record_bytes) \
+    layout(local_size_x = WORKGROUP) in; \
+    void main() { grid_build(record_bytes); }

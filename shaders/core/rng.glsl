@@ -1,5 +1,5 @@
 // Counter-based uniform numbers: a pure function of (seed, pixel, sample, dimension), so that frame size, order and
-// backend change nothing. A technique that defines CHAINS takes them from techniques/metropolis/numbers.glsl instead.
+// backend change nothing. A technique that defines SAMPLER_OF_CHAINS takes them from techniques/metropolis/numbers.glsl instead.
 
 // Random numbers of light paths begin here: no path from the camera comes so far.
 const uint LIGHT_DIMENSION = 0x10000u;
@@ -22,7 +22,7 @@ uvec4 pcg4d(uvec4 v) {
 // Uniform on [0, 1) in steps of 2^-24.
 vec4 uniform4(uvec4 bits) { return vec4(bits >> 8u) * (1.0 / 16777216.0); }
 
-#ifndef CHAINS
+#ifndef SAMPLER_OF_CHAINS
 struct Sampler {
     uint pixel;
     uint sample_index;

@@ -1,26 +1,27 @@
-// Contributions of points that are met in any order: sums in units of scene.splat_unit, as integers, so that the order does not matter.
+// Density estimation: contributions of points that are met in any order, as integers in units of scene.splat_unit, so that the order of the
+// sum does not matter.
 #include "core/film.glsl"
 
 // Beyond this many units a contribution counts as not finite: a sum of 64 of them fits into 64 bits.
-const float LARGEST_GATHERED = 1.44e17; // 2^57
+const float LARGEST_DENSITY = 1.44e17; // 2^57
 
-struct Gathered {
+struct DensitySums {
     i64vec3 sums[LENGTH_LAYERS + 1u]; // by path length, or all in the first
     bool finite;
 };
 
-void gather_nothing(out Gathered g) {
+void density_clear(out DensitySums g) {
     for (uint i = 0u; i <= LENGTH_LAYERS; i++) g.sums[i] = i64vec3(0l);
     g.finite = true;
 }
 
-// Adds what a path of `length` segments brings, in units.
-void gather(inout Gathered g, uint length, vec3 units) {
-    if (all(lessThan(abs(units), vec3(LARGEST_GATHERED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(round(units));
+// Adds the contribution of a path of `length` segments, in units.
+void density_add(inout DensitySums g, uint length, vec3 units) {
+    if (all(lessThan(abs(units), vec3(LARGEST_DENSITY)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(round(units));
     else g.finite = false;
 }
 
-void contribute_gathered(inout Estimate e, Gathered g) {
+void density_contribute(inout Estimate e, DensitySums g) {
     if (LENGTH_LAYERS == 0u) contribute(e, 1u, vec3(g.sums[0]) * scene.splat_unit);
     for (uint i = 0u; i < LENGTH_LAYERS; i++) contribute(e, i + 1u, vec3(g.sums[i]) * scene.splat_unit);
     if (!g.finite) contribute(e, 1u, vec3(uintBitsToFloat(0x7f800000u))); // infinity: the sample is dropped and counted

@@ -1,6 +1,7 @@
-// What a camera path sees where it ends: light that shines from a surface, or from the background.
+// Light that a path from the camera runs into: emission of the surface where it arrives, or of the background.
+#include "transport/path.glsl"
 
-// Emission of the vertex towards where the path came from: from the geometric front only, which is the side that light
+// Emitted radiance of the vertex towards where the path came from: from the geometric front only, which is the side that light
 // sampling chooses points of. A mask does not count here: a path that meets it has been let through by its share already.
 vec3 vertex_emission(Vertex v, Ray ray) {
     if (dot(ray.direction, v.at.normal) >= 0.0) return vec3(0.0);
@@ -10,13 +11,29 @@ vec3 vertex_emission(Vertex v, Ray ray) {
     return emission;
 }
 
-// Weight of having found that emission by the BSDF's choice of direction, against a light sample at the last vertex. A
-// delta lobe's choice has no competitor.
-float emission_weight(Path path, Hit hit, Vertex v) {
-    return path.delta ? 1.0 : power_heuristic(path.pdf_w, light_pdf(path.from, path.ray, hit, v.at, v.surface));
+// MIS weight of that emission as found by the BSDF's choice of direction, against next-event estimation at the last vertex (power
+// heuristic). A delta lobe's choice has no competitor.
+float emission_weight(Path path, Vertex v) {
+    return path.delta ? 1.0 : power_heuristic(path.pdf_w, light_pdf(path.from, path.ray, v.hit, v.at, v.surface));
 }
 
-// The same for the background.
+// The weight of the background, likewise.
 float background_weight(Path path) {
     return path.delta ? 1.0 : power_heuristic(path.pdf_w, background_pdf(path.ray.direction));
+}
+
+// Contribution of the background where a path has left the scene.
+vec3 background_contribution(Path path) { return path.throughput * background_radiance(path.ray.direction); }
+
+// Follows the path to its next vertex, and counts in full the emission there, or the background where the path leaves the scene; false
+// where it does.
+bool arrive_at_emission(inout Path path, out Vertex v, out vec3 emission, inout Estimate e) {
+    emission = vec3(0.0);
+    if (!path_arrive(path, v, e.rays)) {
+        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, background_contribution(path));
+        return false;
+    }
+    emission = vertex_emission(v, path.ray);
+    contribute(e, path.depth + 1u, path.throughput * emission);
+    return true;
 }

@@ -1,21 +1,24 @@
-// The main function of a pass over pixels. Before it is included, the technique defines
-//     bool path_extend(inout Path path, inout Estimate e)
-// which traces the path's ray to its next vertex and chooses the ray after it, and is false where the path ends.
-layout(local_size_x = WORKGROUP) in;
-
-void main() {
-    if (gl_GlobalInvocationID.x >= frame.slot_count) return;
-    Pixel pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
-    if (!pixel.inside) return;
-    Estimate e;
-    e.rays = 0u;
-    Path path;
-    bool alive = false;
-    // A lane whose path has ended begins its next sample at once instead of waiting for its neighbours.
-    while (alive || pixel_has_sample(pixel)) {
-        if (!alive) path = path_begin(pixel, e);
-        alive = path_extend(path, e);
-        if (!alive) sample_close(pixel, e);
+// The loop of every kernel that follows paths. A lane goes through the stages of one path after the other; one whose path has ended begins
+// its next one at once instead of waiting for its neighbours.
+//
+// The arguments are the type of a lane's state and the functions of its stages, each of which takes that state alone:
+//     bool open(out lane)      false where the lane has nothing to do
+//     bool has_next(lane)      whether another path is left to begin
+//     bool begin(inout lane)   begins it; false where it ends at once
+//     bool extend(inout lane)  follows it to its next vertex: arrives, connects, scatters; false where it ends
+//     void end(inout lane)     takes in what it found
+//     void close(lane)         writes back what the lane holds
+#define LANES(Lane, open, has_next, begin, extend, end, close)           \
+    layout(local_size_x = WORKGROUP) in;                                 \
+    void main() {                                                        \
+        Lane lane;                                                       \
+        if (gl_GlobalInvocationID.x >= frame.slot_count) return;         \
+        if (!open(lane)) return;                                         \
+        bool alive = false;                                              \
+        while (alive || has_next(lane)) {                                \
+            if (!alive) alive = begin(lane);                             \
+            if (alive) alive = extend(lane);                             \
+            if (!alive) end(lane);                                       \
+        }                                                                \
+        close(lane);                                                     \
     }
-    pixel_close(pixel, e);
-}

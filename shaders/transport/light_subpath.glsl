@@ -8,15 +8,20 @@ float light_path_count() { return float(frame.light_path_count); }
 // Random numbers of a light path.
 Sampler light_path_random(uint index, uint sample_index) { return Sampler(index, sample_index, LIGHT_DIMENSION, frame.seed); }
 
+// A path along an emitted ray.
+Path path_from_light(EmittedRay e, Sampler random) {
+    Path path = path_along(Ray(e.origin, e.direction, INFINITY), random, false);
+    if (HAS_ABSORPTION) path.absorption = e.absorption;
+    return path;
+}
+
 // A path from the lights before its first segment; `power` goes apart from the throughput, which begins at 1.
 Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
     Sampler random = light_path_random(index, sample_index);
     vec4 u = next4(random);
     vec4 v = next4(random);
     emitted = light_emit(u, v);
-    Path path = path_along(Ray(emitted.origin, emitted.direction, INFINITY), random, false);
-    if (HAS_ABSORPTION) path.absorption = emitted.absorption;
-    return path;
+    return path_from_light(emitted, random);
 }
 
 // f |cos| of light that came along the ray and leaves along `world`, for power: f takes light from where it came to where it goes,

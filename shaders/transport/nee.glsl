@@ -1,35 +1,62 @@
-// Next-event estimation, and the BSDF's own choice of a direction, which it is weighted against.
+// Next-event estimation: a vertex is connected to a sample of the lights (Kajiya 1986; Shirley, Wang and Zimmerman 1996). The stages are
+// choosing the sample, evaluating the BSDF towards it, and tracing the shadow ray; a technique supplies only the weight.
+#include "transport/path.glsl"
 
-// The light of a sample of the lights that the vertex scatters along the path, times `carried`, weighted against the chance that the BSDF picks
-// that direction; nothing from a BSDF of mirrors alone. A sample of the BSDF that was left open is closed on the way: both directions
-// are evaluated by the same code, in turns.
-vec3 next_event(Path path, Vertex v, Bsdf b, vec3 carried, vec4 u, inout BsdfSample s, inout uint rays) {
-    bool aims = !bsdf_is_delta(b);
-    LightSample light = no_light();
-    vec3 wi = vec3(0.0), f = vec3(0.0);
-    float pdf_w = 0.0;
-    if (aims) {
-        light = light_sample(vertex_receiver(v, b), u);
-        wi = vertex_to_local(v, light.wi);
-    }
+// A vertex connected to a sample of the lights, before its visibility is known.
+struct NextEvent {
+    LightSample light;
+    vec3 wi;     // local direction to the light
+    vec3 f;      // f |cos| towards there; nothing where the BSDF is a delta alone
+    float pdf_w; // solid angle density with which the BSDF picks that direction
+};
+
+// The ray from a surface point to the light sample, without its end points.
+Ray shadow_ray(Interaction at, LightSample light) {
+    vec3 origin = offset_origin(at.position, at.margin, at.normal, light.wi);
+    return light.distant ? Ray(origin, light.wi, INFINITY) : ray_between(origin, light.target);
+}
+
+// Contribution of a connection to the light sample along f |cos|, were nothing in between; `carried` is the throughput of the path.
+vec3 nee_contribution(vec3 carried, vec3 f, LightSample light) { return carried * f * light.weight; }
+
+// Connects the vertex to the light sample. A sample of the BSDF that was left open is closed on the way: both directions are evaluated
+// by the same code, in turns, so that the kernel holds the BSDF once.
+NextEvent nee_connect(Path path, Vertex v, Bsdf b, LightSample light, inout BsdfSample s) {
+    NextEvent n = NextEvent(light, vertex_to_local(v, light.wi), vec3(0.0), 0.0);
+    bool connects = !bsdf_is_delta(b);
     for (uint turn = 0u; turn < (HAS_OPEN_SAMPLES ? turns(2u) : 1u); turn++) {
         bool onwards = HAS_OPEN_SAMPLES && turn > 0u;
-        if (!(onwards ? s.open : aims)) continue;
-        vec3 w = onwards ? s.wi : wi;
-        vec3 value = bsdf_eval(b, v.wo, w);
-        float found = bsdf_pdf(b, v.wo, w);
+        if (!(onwards ? s.open : connects)) continue;
+        vec3 w = onwards ? s.wi : n.wi;
+        vec3 f = bsdf_eval(b, v.wo, w);
+        float pdf_w = bsdf_pdf(b, v.wo, w);
         if (onwards) {
-            s.weight = found > 0.0 ? value / found : vec3(0.0);
-            s.pdf_w = found;
+            s.weight = pdf_w > 0.0 ? f / pdf_w : vec3(0.0);
+            s.pdf_w = pdf_w;
             s.open = false;
         } else {
-            f = value;
-            pdf_w = found;
+            n.f = f;
+            n.pdf_w = pdf_w;
         }
     }
     vertex_check(v, path.ray, s);
-    if (!aims || !vertex_scatters(v, path.ray, wi, light.wi)) return vec3(0.0);
-    float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, pdf_w);
-    vec3 radiance = carried * f * light.weight * weight;
-    return radiance == vec3(0.0) ? radiance : radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), rays);
+    if (!vertex_scatters(v, path.ray, n.wi, light.wi)) n.f = vec3(0.0);
+    return n;
+}
+
+// A sample of the lights as the vertex sees them, connected; none where the BSDF is a delta alone, which no sample of them hits.
+NextEvent nee_sample(Path path, Vertex v, Bsdf b, vec4 u, inout BsdfSample s) {
+    LightSample light = no_light();
+    if (!bsdf_is_delta(b)) light = light_sample(vertex_receiver(v, b), u);
+    return nee_connect(path, v, b, light, s);
+}
+
+// MIS weight of the light sample against the BSDF's choice of its direction (power heuristic; Veach 1997, section 9.2.4).
+float nee_weight(NextEvent n) { return n.light.delta ? 1.0 : power_heuristic(n.light.pdf_w, n.pdf_w); }
+
+// The weighted contribution, as far as it comes through: traces the shadow ray unless there is nothing to lose.
+vec3 nee_visible(Path path, Vertex v, Bsdf b, NextEvent n, vec3 carried, float weight, inout uint rays) {
+    vec3 contribution = nee_contribution(carried, n.f, n.light) * weight;
+    if (contribution == vec3(0.0)) return contribution;
+    return contribution * ray_transmittance(shadow_ray(v.at, n.light), vertex_absorption(v, b, path.absorption, n.wi), rays);
 }

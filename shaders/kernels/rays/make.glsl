@@ -4,7 +4,7 @@
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
-#include "transport/path.glsl"
+#include "transport/nee.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -33,7 +33,7 @@ void main() {
             Vertex v = vertex_at(ray, hit);
             v.turned = v.front ? 1.0 : -1.0;
             LightSample light = light_sample(Receiver(v.at.position, v.turned * v.frame.normal, false), light_u);
-            if (light.pdf_w > 0.0) shadow = vertex_shadow_ray(v, light);
+            if (light.pdf_w > 0.0) shadow = shadow_ray(v.at, light);
             ray = vertex_ray(v, vertex_to_world(v, sample_cosine_hemisphere(bsdf_u.xy)));
         } else {
             ray = NO_RAY;

@@ -1,16 +1,13 @@
 // The paths that bdpt joins, vertex by vertex, one from the light and one from the camera for each pixel of the first sample: followed as
-// techniques/bidirectional/light_pass.glsl and techniques/bidirectional/camera_pass.glsl do, with the same random numbers. The layout of an answer is
+// techniques/bidirectional/light_pass.glsl and camera_pass.glsl do, with the same random numbers. The layout of an answer is
 // src/verify/path_weights.rs's.
 #version 460
 #include "core/prelude.glsl"
 
-const bool CONNECTS = true;
-const bool MEETS_LENS = true;
-const bool MERGES = false;
-const bool MERGES_FIRST = false;
+#define STRATEGIES_OF_BDPT
 
 #include "trace/trace.glsl"
-#include "techniques/bidirectional/light_vertices.glsl"
+#include "techniques/bidirectional/mis.glsl"
 #include "core/splat.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -66,13 +63,11 @@ uint follow_light(Pixel pixel, inout uint rays) {
     Sampler random = path.random;
     put_light_vertex(0u, e.position, false, seen.camera, seen.visible, vec4(0.0, 0.0, seen.u));
     for (uint vertex = 1u;; vertex++) {
-        Hit hit;
-        Interaction at;
+        Vertex v;
         Ray ray = path.ray;
-        bool found = trace_visible(path.ray, hit, at, path.random, rays);
-        if (CAMERA == CAMERA_THIN_LENS && path.depth > 0u) put_lens(vertex - 1u, ray, found ? hit.t : INFINITY, path.random);
+        bool found = path_arrive(path, v, rays);
+        if (CAMERA == CAMERA_THIN_LENS && path.depth > 0u) put_lens(vertex - 1u, ray, found ? v.hit.t : INFINITY, path.random);
         if (!found || vertex == MOST) return vertex;
-        Vertex v = vertex_of(path.ray, at);
         if (v.material == NONE) return vertex;
         Bsdf b = vertex_material(v, path.ray, path.random);
         vec4 u = next4(path.random);
@@ -85,13 +80,13 @@ uint follow_light(Pixel pixel, inout uint rays) {
 }
 
 uint follow_camera(Pixel pixel, inout Estimate e) {
-    Path path = path_begin(pixel, e);
+    Sampler random;
+    Ray ray = sample_open(pixel, e, random);
+    Path path = path_from_camera(ray, random);
     put(camera_place(0u), path.ray.origin);
     for (uint vertex = 1u;; vertex++) {
-        Hit hit;
-        Interaction at;
-        if (vertex == MOST || !path_trace(path, hit, at, e)) return vertex;
-        Vertex v = vertex_of(path.ray, at);
+        Vertex v;
+        if (vertex == MOST || !path_arrive(path, v, e.rays)) return vertex;
         put(camera_place(vertex), v.at.position);
         if (v.material == NONE) return vertex + 1u;
         Bsdf b = vertex_material(v, path.ray, path.random);

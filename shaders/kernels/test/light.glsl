@@ -3,7 +3,7 @@
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
-#include "transport/path.glsl"
+#include "transport/emission.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 

@@ -1,7 +1,7 @@
 // What chains of mlt:form=paths propose to go to, with the ratio that would decide; nothing is decided. One mutation for each chain, whose
 // number the host gives. The layout of the answers is src/verify/balance.rs's.
 #version 460
-#define CHAINS
+#define SAMPLER_OF_CHAINS
 #include "core/prelude.glsl"
 #include "techniques/metropolis/chains.glsl"
 #include "trace/trace.glsl"

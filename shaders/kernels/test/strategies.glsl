@@ -2,7 +2,8 @@
 // techniques/bidirectional/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is src/verify/weights.rs's.
 #version 460
 #include "core/prelude.glsl"
-#include "techniques/bidirectional/vcm_forms.glsl"
+#include "trace/trace.glsl"
+#define STRATEGIES_OF_VCM
 #include "techniques/bidirectional/mis.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -28,24 +29,24 @@ float merging(uint i) { return value(5u + 6u * MOST + i); } // density of merges
 
 float lens_a() { return value(5u + 7u * MOST); } // density of the point on the lens; 0 is a pinhole
 
-void arrive(inout Partial p, uint edge, float cosine) { partial_arrive(p, distance2(edge) * scene.radius * scene.radius, cosine); }
+void arrive(inout SubpathMis p, uint edge, float cosine) { mis_arrive(p, distance2(edge) * scene.radius * scene.radius, cosine); }
 
-Partial from_camera(uint last) {
-    Partial p = partial_camera(camera_density(), lens_a(), near_cosine(0u));
+SubpathMis from_camera(uint last) {
+    SubpathMis p = mis_begin_camera(camera_density(), lens_a(), near_cosine(0u));
     arrive(p, 0u, far_cosine(0u));
     for (uint i = 1u; i < last; i++) {
-        partial_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i), merging(i));
+        mis_scatter(p, near_cosine(i), to_light(i), to_camera(i), is_delta(i), merging(i));
         arrive(p, i, far_cosine(i));
     }
     return p;
 }
 
-Partial from_light(uint n, uint last) {
+SubpathMis from_light(uint n, uint last) {
     uint edge = n - 2u;
     float start = emission_a() * emission_w();
-    Partial p = Partial(mis(choice_a() * distance2(edge) / (start * near_cosine(edge))), mis(far_cosine(edge) / (start * near_cosine(edge))));
+    SubpathMis p = SubpathMis(heuristic(choice_a() * distance2(edge) / (start * near_cosine(edge))), heuristic(far_cosine(edge) / (start * near_cosine(edge))));
     for (uint i = n - 2u; i > last; i--) {
-        partial_scatter(p, far_cosine(i - 1u), to_camera(i), to_light(i), is_delta(i), merging(i));
+        mis_scatter(p, far_cosine(i - 1u), to_camera(i), to_light(i), is_delta(i), merging(i));
         arrive(p, i - 1u, near_cosine(i - 1u));
     }
     return p;
@@ -54,42 +55,42 @@ Partial from_light(uint n, uint last) {
 float weight(uint n, uint s) {
     uint t = n - s;
     float seen = camera_density() * far_cosine(0u) / distance2(0u); // density of vertex 1 from the camera
-    if (n == 2u) return s == 0u ? 1.0 / (1.0 + connected(mis(emission_a() / seen))) : connected(1.0 / (1.0 + mis(seen / emission_a())));
+    if (n == 2u) return s == 0u ? 1.0 / (1.0 + if_connected(heuristic(emission_a() / seen))) : if_connected(1.0 / (1.0 + heuristic(seen / emission_a())));
     if (s == 0u) {
-        Partial p = from_camera(n - 1u);
-        return 1.0 / (1.0 + connected(p.d_vcm) * mis(choice_a()) + p.d_vc * mis(emission_a() * emission_w()));
+        SubpathMis p = from_camera(n - 1u);
+        return 1.0 / (1.0 + if_connected(p.d_vcm) * heuristic(choice_a()) + p.d_vc * heuristic(emission_a() * emission_w()));
     }
     uint edge = t - 1u;
     if (!CONNECTS || t > 1u && is_delta(t - 1u) || s > 1u && is_delta(t)) return 0.0;
     if (s == 1u) {
         float found = is_delta(t - 1u) ? 0.0 : to_light(t - 1u) * far_cosine(edge) / (distance2(edge) * choice_a());
         float reverse = emission_a() * emission_w() * near_cosine(edge) / (distance2(edge) * choice_a());
-        return 1.0 / (1.0 + mis(found) + partial_sum(from_camera(t - 1u), reverse, to_camera(t - 1u), merging(t - 1u)));
+        return 1.0 / (1.0 + heuristic(found) + mis_connection(from_camera(t - 1u), reverse, to_camera(t - 1u), merging(t - 1u)));
     }
-    Partial y = from_light(n, t);
+    SubpathMis y = from_light(n, t);
     if (t == 1u) {
-        float lens = lens_a() > 0.0 ? mis(to_camera(1u) * near_cosine(0u) / (distance2(0u) * lens_a())) : 0.0;
-        return 1.0 / (1.0 + lens + partial_sum(y, seen, to_light(t), merging(t)));
+        float lens = lens_a() > 0.0 ? heuristic(to_camera(1u) * near_cosine(0u) / (distance2(0u) * lens_a())) : 0.0;
+        return 1.0 / (1.0 + lens + mis_connection(y, seen, to_light(t), merging(t)));
     }
     float light_side = to_camera(t) * near_cosine(edge) / distance2(edge);
     float camera_side = to_light(t - 1u) * far_cosine(edge) / distance2(edge);
-    return 1.0 / (1.0 + partial_sum(from_camera(t - 1u), light_side, to_camera(t - 1u), merging(t - 1u)) +
-                  partial_sum(y, camera_side, to_light(t), merging(t)));
+    return 1.0 / (1.0 + mis_connection(from_camera(t - 1u), light_side, to_camera(t - 1u), merging(t - 1u)) +
+                  mis_connection(y, camera_side, to_light(t), merging(t)));
 }
 
 // Of t = 0, where all n vertices are from the light.
 float whole_weight(uint n) {
     if (!CONNECTS || lens_a() == 0.0 || n == 2u) return 0.0;
-    Partial p = from_light(n, 1u);
-    partial_scatter(p, far_cosine(0u), to_camera(1u), to_light(1u), is_delta(1u), merging(1u));
+    SubpathMis p = from_light(n, 1u);
+    mis_scatter(p, far_cosine(0u), to_camera(1u), to_light(1u), is_delta(1u), merging(1u));
     arrive(p, 0u, near_cosine(0u));
-    return lens_weight(p, camera_density(), lens_a());
+    return mis_lens_weight(p, camera_density(), lens_a());
 }
 
 // Of the merge at vertex i.
 float merge_weight(uint n, uint i) {
     if (!MERGES || is_delta(i)) return 0.0;
-    return 1.0 / (1.0 + partial_merge_sum(from_camera(i), to_camera(i), merging(i)) + partial_merge_sum(from_light(n, i), to_light(i), merging(i)));
+    return 1.0 / (1.0 + mis_merge(from_camera(i), to_camera(i), merging(i)) + mis_merge(from_light(n, i), to_light(i), merging(i)));
 }
 
 void main() {

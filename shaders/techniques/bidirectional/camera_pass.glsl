@@ -1,13 +1,36 @@
-// The pass `camera` of bidirectional techniques: follows paths from the camera, and joins each to the light paths that were kept.
+// The pass `camera` of bidirectional techniques: follows camera subpaths, and connects and merges each with the light subpaths that were kept.
 #include "techniques/bidirectional/connect.glsl"
-#include "techniques/bidirectional/merge.glsl"
+#include "transport/lanes.glsl"
+#include "transport/density_sums.glsl"
+#include "core/grid.glsl"
 
-layout(local_size_x = WORKGROUP) in;
+struct Lane {
+    Pixel pixel;
+    Path path;
+    SubpathMis mis;
+    Estimate e;
+};
 
-// s = 1 and s > 1: joins the vertex to a sample of the lights, then to the vertices of one light path. The latter are all weighed, and one ray
-// is traced for them: along one of those that were chosen in proportion to what they would bring, which stands for all (Talbot, Cline and Egbert
+bool open(out Lane lane) {
+    lane.pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
+    lane.e.rays = 0u;
+    return lane.pixel.inside;
+}
+
+bool has_next(Lane lane) { return pixel_has_sample(lane.pixel); }
+
+bool begin(inout Lane lane) {
+    Sampler random;
+    Ray ray = sample_open(lane.pixel, lane.e, random);
+    lane.path = path_from_camera(ray, random);
+    lane.mis = mis_begin_camera(camera_importance(ray.direction), lens_choice(), lens_cosine(ray.direction));
+    return true;
+}
+
+// s = 1 and s > 1: connects the vertex to a sample of the lights, then to the vertices of one light subpath. The latter are all weighted, and one
+// ray is traced for them: along one of those, chosen in proportion to its weighted contribution, which stands for all (Talbot, Cline and Egbert
 // 2005, "Importance resampling for global illumination"). Layers of strategies have a ray for each. Rays come last, in turns of their own.
-void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, bool both_sides, vec4 light_u, float u, inout Estimate e) {
+void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, vec4 light_u, float u, inout Estimate e) {
     uint index = pixel.index % frame.light_path_count;
     uint t = path.depth + 2u, count = 0u;
     End end;
@@ -24,23 +47,23 @@ void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, boo
             end.y = others.at[turn - 1u];
             if (t + end.y.segments > longest()) break;
         }
-        Connection c = join(path, v, b, p, both_sides, end);
+        Connection c = connect(path, v, b, m, both_sides, end);
         uint from_light = end.light ? 1u : end.y.segments + 1u;
         if (HAS_STRATEGIES) {
-            if (c.value != vec3(0.0)) gather_connection(pixel, e, from_light, t, c);
+            if (c.contribution != vec3(0.0)) add_connection(pixel, e, from_light, t, c);
             continue;
         }
         if (end.light) to_light = c;
-        if (end.light || c.value == vec3(0.0)) continue;
-        float brings = max(c.value.x, max(c.value.y, c.value.z)) * c.weight;
-        if (brings <= 0.0) continue;
-        if (!(brings < INFINITY)) gather(pixel, e, from_light, t, c.value, c.weight); // counted, and dropped, with all that the pixel's sample has
-        total += brings;
+        if (end.light || c.contribution == vec3(0.0)) continue;
+        float weighted = max(c.contribution.x, max(c.contribution.y, c.contribution.z)) * c.weight;
+        if (weighted <= 0.0) continue;
+        if (!(weighted < INFINITY)) add_strategy(pixel, e, from_light, t, c.contribution, c.weight); // counted, and dropped, with all that the pixel's sample has
+        total += weighted;
         // Chooses by what is left of the same number (Chao 1982).
-        float probability = brings / total;
+        float probability = weighted / total;
         if (u < probability) {
             chosen = c;
-            share = brings;
+            share = weighted;
             s = from_light;
             u /= probability;
         } else {
@@ -52,32 +75,60 @@ void gather_connections(Pixel pixel, Path path, Vertex v, Bsdf b, Partial p, boo
         bool light = turn == 0u;
         Connection c = to_light;
         if (!light) c = chosen;
-        if (light ? c.value == vec3(0.0) : share == 0.0) continue;
+        if (light ? c.contribution == vec3(0.0) : share == 0.0) continue;
         if (!light) c.weight *= total / share;
-        gather_connection(pixel, e, light ? 1u : s, t, c);
+        add_connection(pixel, e, light ? 1u : s, t, c);
     }
 }
 
-bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e) {
-    Hit hit;
-    Interaction at;
-    bool found = path_trace(path, hit, at, e);
+// Vertex merging: the end of a camera subpath and that of a light subpath, close enough to be taken for one vertex (Georgiev et al. 2012;
+// the density estimate is that of photon mapping with a constant kernel).
+
+// Weight of a merge of the camera's vertex v with y among all strategies; `local` is the direction in which y's light came.
+float merge_weight(Vertex v, Bsdf b, SubpathMis m, LightVertex y, vec3 local) {
+    if (MERGES_FIRST) return 1.0; // nothing else finds the path
+    float opacity = vertex_opacity(v);
+    vec2 pdf_w = bsdf_pdf_both(b, v.wo, local);
+    return 1.0 / (1.0 + mis_merge(m, pdf_w.y, opacity) + mis_merge(SubpathMis(y.d_vcm, y.d_vc), pdf_w.x, opacity));
+}
+
+void add_merges(Path path, Vertex v, Bsdf b, SubpathMis m, inout Estimate e) {
+    uint length = path.depth + 1u;
+    float area = PI * frame.merge_radius * frame.merge_radius;
+    vec3 factor = path.throughput / (area * vertex_opacity(v) * light_path_count() * scene.splat_unit);
+    DensitySums sums;
+    density_clear(sums);
+    GridSearch search = grid_search(v.at.position);
+    while (grid_next(search)) {
+        LightPath kept = light_path_at(uint64_t(search.index / frame.light_vertices));
+        uint place = search.index % frame.light_vertices;
+        if (!grid_found(search, kept.at[place].position)) continue;
+        LightVertex y = kept.at[place];
+        // Light arrives as densely as the geometric cosine says, the BSDF goes by the shading one.
+        float arriving = abs(dot(y.direction, y.normal));
+        if (!same_facing(y.normal, v.at.normal) || arriving == 0.0 || y.segments > longest() - length) continue;
+        vec3 local = vertex_to_local(v, -y.direction);
+        vec3 f = vertex_eval(v, b, path.ray, local, -y.direction);
+        if (f != vec3(0.0)) density_add(sums, length + y.segments, factor * y.power * f * (merge_weight(v, b, m, y, local) / arriving));
+    }
+    density_contribute(e, sums);
+}
+
+// Follows the subpath to its next vertex, with all its strategies; false where it ends.
+bool follow(Pixel pixel, inout Path path, inout SubpathMis m, inout Estimate e) {
+    Vertex v;
+    bool found = path_arrive(path, v, e.rays);
     uint length = path.depth + 1u;
     bool both_sides = length <= longest(); // strategies with more than one vertex from the light take part
     if (!found) {
-        if (HAS_BACKGROUND) gather_background(pixel, path, p, both_sides, e);
+        if (HAS_BACKGROUND) add_background(pixel, path, m, both_sides, e);
         return false;
     }
-    Vertex v = vertex_of(path.ray, at);
-    path_absorb(path, v);
-    path_measure(path, v);
     float arriving = abs(dot(path.ray.direction, v.at.normal));
     if (arriving == 0.0) return false;
-    vec3 segment = v.at.position - path.from.position;
-    float distance2 = dot(segment, segment);
-    partial_arrive(p, CAMERA == CAMERA_ORTHOGRAPHIC && path.depth == 0u ? 1.0 : distance2, arriving);
+    float distance2 = mis_arrive_from_camera(m, path, v, arriving);
 
-    gather_emission(pixel, path, hit, v, p, both_sides, arriving, distance2, e);
+    add_emission(pixel, path, v, m, both_sides, arriving, distance2, e);
     if (length >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
     both_sides = length < longest();
@@ -85,35 +136,23 @@ bool path_extend(Pixel pixel, inout Path path, inout Partial p, inout Estimate e
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
-        if (CONNECTS) gather_connections(pixel, path, v, b, p, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
-        if (MERGES && both_sides) gather_merges(path, v, b, p, e);
+        if (CONNECTS) add_connections(pixel, path, v, b, m, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
+        if (MERGES && both_sides) add_merges(path, v, b, m, e);
         if (MERGES_FIRST) return false;
     }
 
-    BsdfSample s = partial_leave(p, v, b, path.ray, bsdf_u.xyz);
+    BsdfSample s = mis_sample(m, v, b, path.ray, bsdf_u.xyz);
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }
 
-void main() {
-    if (gl_GlobalInvocationID.x >= frame.slot_count) return;
-    Pixel pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
-    if (!pixel.inside) return;
-    Estimate e;
-    e.rays = 0u;
-    Path path;
-    Partial p;
-    bool alive = false;
-    while (alive || pixel_has_sample(pixel)) {
-        if (!alive) {
-            path = path_begin(pixel, e);
-            p = partial_camera(camera_importance(path.ray.direction), lens_choice(), lens_cosine(path.ray.direction));
-        }
-        alive = path_extend(pixel, path, p, e);
-        if (!alive) {
-            splat_sample(pixel, e);
-            pixel.sample_index += 1u;
-        }
-    }
-    count_rays(e.rays);
+bool extend(inout Lane lane) { return follow(lane.pixel, lane.path, lane.mis, lane.e); }
+
+void end(inout Lane lane) {
+    splat_sample(lane.pixel, lane.e);
+    lane.pixel.sample_index += 1u;
 }
+
+void close(Lane lane) { count_rays(lane.e.rays); }
+
+LANES(Lane, open, has_next, begin, extend, end, close)

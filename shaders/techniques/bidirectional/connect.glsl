@@ -1,77 +1,83 @@
-// What paths from the camera find by themselves: the strategies (0, t), which run into a light, and (1, t), next-event estimation.
-#include "techniques/bidirectional/light_vertices.glsl"
-#include "core/splat.glsl"
+// Contributions of a vertex with their weights: emission that a camera subpath runs into, (0, t); the connection of its vertex to a sample of the
+// lights, (1, t), or to a vertex of a light subpath, (s, t); and the connection of a light subpath's vertex to the camera, (s, 1).
+#include "techniques/bidirectional/mis.glsl"
+#include "transport/camera_connection.glsl"
+#include "transport/emission.glsl"
+#include "transport/nee.glsl"
 
-// Adds what (s, t) brings to the path's own pixel.
-void gather(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
+// What the light pass leaves of a light subpath: its vertices that are not delta alone.
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LightPath { uint count; LightVertex at[]; };
+
+LightPath light_path_at(uint64_t place) {
+    uint64_t bytes = 4ul + uint64_t(LIGHT_VERTEX_BYTES) * uint64_t(frame.light_vertices);
+    return LightPath(unpack32(pack64(frame.light_paths) + place * bytes));
+}
+
+// That of subpath `index` of a sample. For a grid all subpaths of a sample lie there; else those of the frame, whose pixels are numbered
+// like their subpaths.
+LightPath light_path_of(uint index, uint sample_index) {
+    if (frame.grid_cell_count > 0u) return light_path_at(uint64_t(index));
+    return light_path_at(uint64_t(gl_GlobalInvocationID.x) * uint64_t(frame.sample_count) + uint64_t(sample_index - frame.first_sample));
+}
+
+// Density per scaled area with which a point of the lens is chosen; 0 where no light subpath runs into one.
+float lens_choice() { return CONNECTS && MEETS_LENS && CAMERA == CAMERA_THIN_LENS ? 1.0 / scaled_area(lens_area()) : 0.0; }
+
+// Adds the contribution of (s, t) to the path's own pixel.
+void add_strategy(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
     if (HAS_STRATEGIES) splat_strategy(pixel.index, pixel.sample_index, s, t, value * pixel.filter_weight, weight);
     else contribute(e, s + t - 1u, value * weight);
 }
 
-// Weight of (0, t): the path has run into a light. `choice_pdf_w` is the density with which (1, t - 1) picks that direction,
-// `cosine` lies at the light, `emission_a` is the density of light paths beginning there, per scaled area, and `emission_w` that of
-// going this way then.
-float implicit_weight(Path path, Partial p, float choice_pdf_w, float cosine, float distance2, float emission_a, float emission_w) {
-    if (path.depth == 0u) {
-        // Against (1, 1): p holds pixels per area there.
-        return 1.0 / (1.0 + connected(p.d_vcm) * mis(emission_a));
-    }
-    float choice_a = choice_pdf_w * cosine / scaled_area(distance2);
-    return 1.0 / (1.0 + connected(p.d_vcm) * mis(choice_a) + p.d_vc * mis(emission_a * emission_w));
-}
-
-// The same for a path that is too long for any other strategy but (1, t - 1).
-float long_weight(Path path, float choice_pdf_w) { return CONNECTS && !path.delta ? 1.0 / (1.0 + mis(choice_pdf_w / path.pdf_w)) : 1.0; }
-
-// s = 0: the path has left the scene and sees the background.
-void gather_background(Pixel pixel, Path path, Partial p, bool both_sides, inout Estimate e) {
+// (0, t): the path has left the scene and sees the background.
+void add_background(Pixel pixel, Path path, SubpathMis m, bool both_sides, inout Estimate e) {
     float pdf_w = background_pdf(path.ray.direction);
     float weight = 1.0;
-    // d_vcm and d_vc are still over solid angle: a light path begins on a disk.
+    // d_vcm and d_vc are still over solid angle: a light subpath begins on a disk.
     float emission_a = disk_pdf(path.ray.origin, path.ray.direction) / scaled_area(1.0);
     if (path.depth > 0u)
-        weight = both_sides ? 1.0 / (1.0 + connected(p.d_vcm) * mis(pdf_w) + p.d_vc * mis(pdf_w * emission_a)) : long_weight(path, pdf_w);
-    gather(pixel, e, 0u, path.depth + 2u, path.throughput * background_radiance(path.ray.direction), weight);
+        weight = both_sides ? 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(pdf_w) + m.d_vc * heuristic(pdf_w * emission_a)) : mis_long_weight(path, pdf_w);
+    add_strategy(pixel, e, 0u, path.depth + 2u, background_contribution(path), weight);
 }
 
-// s = 0: the path has run into a light.
-void gather_emission(Pixel pixel, Path path, Hit hit, Vertex v, Partial p, bool both_sides, float cosine, float distance2, inout Estimate e) {
+// (0, t): the path has run into a light.
+void add_emission(Pixel pixel, Path path, Vertex v, SubpathMis m, bool both_sides, float cosine, float distance2, inout Estimate e) {
     vec3 emission = vertex_emission(v, path.ray);
     if (emission == vec3(0.0)) return;
-    float choice = path.depth > 0u && !path.delta ? light_pdf(path.from, path.ray, hit, v.at, v.surface) : 0.0;
+    float choice = path.depth > 0u && !path.delta ? light_pdf(path.from, path.ray, v.hit, v.at, v.surface) : 0.0;
     float weight = 1.0;
     if (both_sides) {
         float emission_w = surface_emission_pdf(v.at.position, -path.ray.direction, cosine);
-        weight = implicit_weight(path, p, choice, cosine, distance2, v.surface.emission_density / scaled_area(1.0), emission_w);
+        weight = mis_emission_weight(path, m, choice, cosine, distance2, v.surface.emission_density / scaled_area(1.0), emission_w);
     } else {
-        weight = long_weight(path, choice);
+        weight = mis_long_weight(path, choice);
     }
-    gather(pixel, e, 0u, path.depth + 2u, path.throughput * emission, weight);
+    add_strategy(pixel, e, 0u, path.depth + 2u, path.throughput * emission, weight);
 }
 
-// A vertex of a path from the camera joined to a light or to a vertex of a light path.
+// A vertex of a camera subpath connected to a light or to a vertex of a light subpath.
 struct Connection {
-    vec3 value;      // contribution, were nothing in between
-    float weight;    // of this among all strategies for the whole path
-    Ray ray;         // from the first to the second
-    vec3 absorption; // in between
+    vec3 contribution; // were nothing in between
+    float weight;      // MIS weight among all strategies for the whole path
+    Ray ray;           // from the first to the second
+    vec3 absorption;   // of the medium in between, 1/m
 };
 
-// What is to be joined to: a sample of the lights (s = 1, next-event estimation), or a vertex of a light path (s > 1). Both in one function, so that
-// a kernel holds the BSDF at the camera's vertex once.
+// What is to be connected to: a sample of the lights (s = 1, next-event estimation), or a vertex of a light subpath (s > 1). Both in one function,
+// so that a kernel holds the BSDF at the camera's vertex once.
 struct End {
     bool light;
     vec4 u;         // chooses the sample of the lights
     LightVertex y;  // the vertex otherwise
-    Sampler random; // at the beginning of its path
+    Sampler random; // at the beginning of its subpath
 };
 
-Connection join(Path path, Vertex v, Bsdf b, Partial p, bool both_sides, End end) {
-    Connection joined;
-    joined.value = vec3(0.0);
+Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, End end) {
+    Connection c;
+    c.contribution = vec3(0.0);
     LightSample light = no_light();
     Vertex w;
-    Bsdf c;
+    Bsdf far;
     Ray arrived = Ray(end.y.position, end.y.direction, INFINITY);
     float distance2 = 1.0;
     vec3 towards;
@@ -81,44 +87,69 @@ Connection join(Path path, Vertex v, Bsdf b, Partial p, bool both_sides, End end
     } else {
         w = vertex_at(arrived, Hit(0.0, end.y.primitive, end.y.instance, end.y.uv));
         end.random.dimension = end.y.dimension;
-        c = vertex_material(w, arrived, end.random);
+        far = vertex_material(w, arrived, end.random);
         vec3 d = w.at.position - v.at.position;
         distance2 = dot(d, d);
-        if (distance2 == 0.0) return joined;
+        if (distance2 == 0.0) return c;
         towards = d * inversesqrt(distance2);
     }
     vec3 local = vertex_to_local(v, towards), other = vec3(0.0);
     vec3 f = vertex_eval(v, b, path.ray, local, towards);
     if (end.light) {
-        joined.value = path.throughput * f * light.weight;
+        c.contribution = nee_contribution(path.throughput, f, light);
     } else {
         other = vertex_to_local(w, -towards);
-        joined.value = end.y.power * f * light_vertex_eval(w, c, arrived, other, -towards) / distance2;
+        c.contribution = end.y.power * f * light_vertex_eval(w, far, arrived, other, -towards) / distance2;
     }
-    if (joined.value == vec3(0.0)) return joined;
+    if (c.contribution == vec3(0.0)) return c;
 
     vec2 pdf_w = bsdf_pdf_both(b, v.wo, local);
     float opacity = vertex_opacity(v);
     float others;
     if (end.light) {
-        others = mis((light.delta ? 0.0 : pdf_w.x) / light.pdf_w);
-        if (both_sides) others += partial_sum(p, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), pdf_w.y, opacity);
-        joined.ray = vertex_shadow_ray(v, light);
+        others = heuristic((light.delta ? 0.0 : pdf_w.x) / light.pdf_w); // eq. 44
+        // eq. 45
+        if (both_sides) others += mis_connection(m, light.emitted * abs(dot(light.wi, v.at.normal)) / scaled_area(1.0), pdf_w.y, opacity);
+        c.ray = shadow_ray(v.at, light);
     } else {
-        joined.value *= path.throughput;
-        vec2 far_pdf_w = bsdf_pdf_both(c, w.wo, other);
+        c.contribution *= path.throughput;
+        vec2 far_pdf_w = bsdf_pdf_both(far, w.wo, other);
         float area = scaled_area(distance2);
         float from_light = far_pdf_w.x * abs(dot(towards, v.at.normal)) / area;
         float from_camera = pdf_w.x * abs(dot(towards, w.at.normal)) / area;
-        others = partial_sum(p, from_light, pdf_w.y, opacity) + partial_sum(Partial(end.y.d_vcm, end.y.d_vc), from_camera, far_pdf_w.y, vertex_opacity(w));
-        joined.ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
+        // eqs. 41 and 40
+        others = mis_connection(m, from_light, pdf_w.y, opacity) +
+                 mis_connection(SubpathMis(end.y.d_vcm, end.y.d_vc), from_camera, far_pdf_w.y, vertex_opacity(w));
+        c.ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
     }
-    joined.weight = 1.0 / (1.0 + others);
-    joined.absorption = vertex_absorption(v, b, path.absorption, local);
-    return joined;
+    c.weight = 1.0 / (1.0 + others); // eq. 37
+    c.absorption = vertex_absorption(v, b, path.absorption, local);
+    return c;
 }
 
-// Adds what (s, t) brings, as far as it comes through.
-void gather_connection(Pixel pixel, inout Estimate e, uint s, uint t, Connection c) {
-    gather(pixel, e, s, t, c.value * ray_transmittance(c.ray, c.absorption, e.rays), c.weight);
+// Adds the contribution of (s, t), as far as it comes through.
+void add_connection(Pixel pixel, inout Estimate e, uint s, uint t, Connection c) {
+    add_strategy(pixel, e, s, t, c.contribution * ray_transmittance(c.ray, c.absorption, e.rays), c.weight);
+}
+
+// (1, 1): the light itself connected to the camera, against (0, 2), the camera running into it.
+CameraConnection connect_light_to_camera(Path path, EmittedRay e) {
+    float camera_a;
+    CameraConnection c = camera_connect_light(path, e, camera_a);
+    if (c.contribution != vec3(0.0)) c.weight = 1.0 / (1.0 + heuristic(camera_a / e.pdf_a));
+    return c;
+}
+
+// (s, 1), s > 1: the vertex that the light subpath has come to connected to the camera (eqs. 37, 46 and 47).
+CameraConnection connect_vertex_to_camera(Path path, vec3 power, Vertex v, Bsdf b, SubpathMis m, vec4 u) {
+    CameraConnection c = camera_connect_vertex(path, power, v, b, u);
+    if (c.contribution == vec3(0.0)) return c;
+    vec3 local = vertex_to_local(v, c.view.direction);
+    float camera_a = c.view.importance * abs(dot(c.view.direction, v.at.normal)) / (scaled_area(c.view.distance2) * light_path_count());
+    float lens_a = lens_choice();
+    vec2 pdf_w = lens_a > 0.0 ? bsdf_pdf_both(b, v.wo, local) : vec2(0.0, bsdf_pdf(b, local, v.wo));
+    float others = mis_connection(m, camera_a, pdf_w.y, vertex_opacity(v));
+    if (lens_a > 0.0) others += heuristic(pdf_w.x * lens_cosine(c.view.direction) / (scaled_area(c.view.distance2) * lens_a)); // t = 0
+    c.weight = 1.0 / (1.0 + others);
+    return c;
 }

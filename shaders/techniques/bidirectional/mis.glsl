@@ -1,14 +1,31 @@
-// Weights of the strategies that sample the same path: (s, t) has s vertices from the light and t from the camera (Veach 1997,
-// chapter 10), and any vertex in between can be one where both parts meet, a merge (Georgiev, Krivanek, Davidovic and Slusallek
-// 2012). They are summed up along both parts as those are made (Georgiev 2012, "Implementing vertex connection and merging", whose
-// names these are), so that a connection or a merge needs no more than its ends.
+// Multiple importance sampling of all strategies that sample the same path: (s, t) has s vertices of a light subpath and t of a camera
+// subpath (Veach 1997, chapter 10), and any vertex in between can be one where both end, a merge (Georgiev, Krivanek, Davidovic and
+// Slusallek 2012, "Light transport simulation with vertex connection and merging"). Each subpath carries two recursive quantities, so that
+// a connection or a merge needs no more than its ends. Equation numbers are those of Georgiev 2012, "Implementing vertex connection and
+// merging" (technical report); docs/mis.md derives them, with what this file adds.
 //
-// Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale. Before this is
-// included, the technique defines
-//     bool CONNECTS       strategies that join two vertices by a segment take part, next-event estimation and light tracing among them
-//     bool MEETS_LENS     so do light paths that run into a lens
-//     bool MERGES         merges do, within frame.merge_radius
-//     bool MERGES_FIRST   of these only the one at the camera's first vertex that is not a mirror or smooth glass
+// Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale.
+#include "transport/light_subpath.glsl"
+
+// The strategies that take part. Whoever includes this file says of which technique.
+//     CONNECTS       those that join two vertices by a segment, next-event estimation and light tracing among them
+//     MEETS_LENS     light subpaths that run into a lens (t = 0)
+//     MERGES         merges within the merge radius
+//     MERGES_FIRST   of these only the one at the camera's first vertex that is not a mirror or smooth glass
+#if defined(STRATEGIES_OF_BDPT)
+const bool CONNECTS = true, MEETS_LENS = true, MERGES = false, MERGES_FIRST = false;
+#elif defined(STRATEGIES_OF_MULTIPLEXED)
+const bool CONNECTS = true, MEETS_LENS = false, MERGES = false, MERGES_FIRST = false;
+#elif defined(STRATEGIES_OF_VCM)
+const uint FORM_VCM = 0u; // PARAM1: all
+const uint FORM_BPM = 1u; // bidirectional photon mapping: merges anywhere, and running into lights
+const uint FORM_PPM = 2u; // progressive photon mapping: a merge at the camera's first vertex that is not a mirror or smooth glass
+const uint FORM_BPT = 3u; // bidirectional path tracing: no merges
+const bool CONNECTS = PARAM1 == FORM_VCM || PARAM1 == FORM_BPT, MEETS_LENS = true;
+const bool MERGES = PARAM1 != FORM_BPT, MERGES_FIRST = PARAM1 == FORM_PPM;
+#else
+#error "techniques/bidirectional/mis.glsl: define STRATEGIES_OF_BDPT, STRATEGIES_OF_MULTIPLEXED or STRATEGIES_OF_VCM before including it"
+#endif
 
 // PARAM0 of techniques that combine strategies.
 const uint WEIGHTS_POWER = 0u;   // the power heuristic, exponent 2
@@ -18,20 +35,20 @@ const uint WEIGHTS_NONE = 2u;    // all strategies that can sample the path coun
 // The longest path that has vertices from both sides.
 uint longest() { return MERGES_FIRST ? MAX_DEPTH : min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
 
-// Partial sums at a vertex of either part, over the strategies that have fewer vertices on its side, as ratios to a connection that
-// ends there. Where connections and merges both take part, Georgiev's third sum is d_vc over the density of merges.
-struct Partial {
-    float d_vcm; // that with one less: the density of this vertex is turned round
+// The recursive quantities at a vertex of a subpath: sums over the strategies that have fewer vertices on its side, as ratios to a
+// connection that ends there. Where connections and merges both take part, Georgiev's third one is d_vm = d_vc / eta_vcm.
+struct SubpathMis {
+    float d_vcm; // the strategy with one vertex less: the density of this vertex is turned round
     float d_vc;  // the others
 };
 
 // A bound far beyond any weight that matters: sums stay finite, and infinity never meets a factor of nothing.
-const float LARGEST_PARTIAL = 1e26;
+const float LARGEST_SUM = 1e26;
 
-void partial_bound(inout Partial p) { p = Partial(min(p.d_vcm, LARGEST_PARTIAL), min(p.d_vc, LARGEST_PARTIAL)); }
+void mis_bound(inout SubpathMis m) { m = SubpathMis(min(m.d_vcm, LARGEST_SUM), min(m.d_vc, LARGEST_SUM)); }
 
-// A ratio of densities as the heuristic takes it.
-float mis(float ratio) {
+// A ratio of densities as the heuristic takes it (Veach 1997, section 9.2.2).
+float heuristic(float ratio) {
     if (PARAM0 == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
     float r = min(ratio, 1e13);
     return PARAM0 == WEIGHTS_POWER ? r * r : r;
@@ -39,54 +56,98 @@ float mis(float ratio) {
 
 float scaled_area(float area) { return area / (scene.radius * scene.radius); }
 
-// Light paths that a merge at a vertex finds for each that comes there per scaled area, as the heuristic takes it. A mask lets both
-// parts pass by chance, so that they meet there less often than they come.
-float merge_share(float opacity) {
+// eta_vcm = n pi r^2 (eq. 20): light subpaths that a merge at a vertex finds for each that comes there per scaled area, as the heuristic
+// takes it. A mask lets both subpaths pass by chance, so that they meet there less often than they come: times its opacity.
+float eta_vcm(float opacity) {
     if (!MERGES) return 0.0;
-    return mis(PI * scaled_area(frame.merge_radius * frame.merge_radius) * float(frame.light_path_count) * opacity);
+    return heuristic(PI * scaled_area(frame.merge_radius * frame.merge_radius) * float(frame.light_path_count) * opacity);
 }
 
 // A term that stands for a connection.
-float connected(float ratio) { return CONNECTS ? ratio : 0.0; }
+float if_connected(float term) { return CONNECTS ? term : 0.0; }
 
-// The camera as the beginning of paths, per scaled area of its lens: `importance` is pixels per solid angle, `cosine` is to its axis. A
-// pinhole has no area (lens_a = 0), and t = 0 does not take part.
-Partial partial_camera(float importance, float lens_a, float cosine) {
-    float pdf_w = importance / float(frame.light_path_count); // over those of light paths
-    return Partial(mis(1.0 / pdf_w), lens_a > 0.0 ? connected(mis(cosine / (lens_a * pdf_w))) : 0.0);
+// The beginning of a camera subpath (eqs. 31 and 32, with solid angle not turned to area yet), per scaled area of the lens: `importance` is
+// pixels per solid angle, `cosine` is to the camera's axis. A pinhole has no area (lens_a = 0), and t = 0 does not take part.
+SubpathMis mis_begin_camera(float importance, float lens_a, float cosine) {
+    float pdf_w = importance / float(frame.light_path_count); // over those of light subpaths
+    return SubpathMis(heuristic(1.0 / pdf_w), lens_a > 0.0 ? if_connected(heuristic(cosine / (lens_a * pdf_w))) : 0.0);
 }
 
-// Weight of t = 0: the light path has run into the lens.
-float lens_weight(Partial p, float importance, float lens_a) {
-    return 1.0 / (1.0 + p.d_vcm * mis(lens_a) + p.d_vc * mis(lens_a * importance / float(frame.light_path_count)));
+// Weight of t = 0: the light subpath has run into the lens (eqs. 37 and 43 from the other end).
+float mis_lens_weight(SubpathMis m, float importance, float lens_a) {
+    return 1.0 / (1.0 + m.d_vcm * heuristic(lens_a) + m.d_vc * heuristic(lens_a * importance / float(frame.light_path_count)));
 }
 
-// The path has arrived at a vertex: densities over solid angle become such per area there. `distance2` is the square of the
-// distance, or nothing (1 / scaled_area(1)) where the segment has no end.
-void partial_arrive(inout Partial p, float distance2, float cosine) {
-    p.d_vcm *= mis(scaled_area(distance2) / cosine);
-    p.d_vc *= mis(1.0 / cosine);
-    partial_bound(p);
+// The subpath has arrived at a vertex (g-arrow of eqs. 31 to 36): densities over solid angle become such per area there. `distance2` is the
+// square of the distance, or nothing (1 / scaled_area(1)) where the segment has no end.
+void mis_arrive(inout SubpathMis m, float distance2, float cosine) {
+    m.d_vcm *= heuristic(scaled_area(distance2) / cosine);
+    m.d_vc *= heuristic(1.0 / cosine);
+    mis_bound(m);
 }
 
-// The path goes on in a direction of density pdf_w from a vertex of that opacity; `reverse_pdf_w` is that of having come the other way.
-// Of a delta lobe both leave out the same infinite factor, and nothing is joined there.
-void partial_scatter(inout Partial p, float cosine, float pdf_w, float reverse_pdf_w, bool delta, float opacity) {
-    float there = mis(cosine / pdf_w);
-    float others = p.d_vc * mis(reverse_pdf_w) + (delta ? 0.0 : connected(p.d_vcm) + merge_share(opacity));
-    p.d_vc = there > 0.0 ? there * others : 0.0;
-    p.d_vcm = delta ? 0.0 : mis(1.0 / pdf_w);
-    partial_bound(p);
+// The camera subpath has arrived at a vertex, at this cosine. Returns the square of the distance. The density of an orthographic camera is
+// one per area already.
+float mis_arrive_from_camera(inout SubpathMis m, Path path, Vertex v, float cosine) {
+    vec3 segment = v.at.position - path.from.position;
+    float distance2 = dot(segment, segment);
+    mis_arrive(m, CAMERA == CAMERA_ORTHOGRAPHIC && path.depth == 0u ? 1.0 : distance2, cosine);
+    return distance2;
 }
 
-// What the strategies with fewer vertices on one side of a connection weigh together: `reverse_a` is the density, per scaled area, with
-// which the other side would have sampled this side's end, of that opacity; `reverse_pdf_w` with which that end would then have gone on.
-float partial_sum(Partial p, float reverse_a, float reverse_pdf_w, float opacity) {
-    float there = mis(reverse_a);
-    return there > 0.0 ? there * (merge_share(opacity) + p.d_vcm + p.d_vc * mis(reverse_pdf_w)) : 0.0;
+// The light subpath has arrived at a vertex, at this cosine; at its first one, eqs. 31 and 32: what (1, t) would have picked its beginning
+// with is known only there.
+void mis_arrive_from_light(inout SubpathMis m, Path path, EmittedRay e, Vertex v, Bsdf b, float cosine) {
+    vec3 segment = v.at.position - path.from.position;
+    float distance2 = dot(segment, segment);
+    if (path.depth > 0u) mis_arrive(m, distance2, cosine);
+    else m = SubpathMis(heuristic(light_choice_ratio(e, vertex_receiver(v, b), distance2) / cosine), e.delta ? 0.0 : heuristic(e.d_vc / cosine));
 }
 
-// The same on one side of a merge.
-float partial_merge_sum(Partial p, float reverse_pdf_w, float opacity) {
-    return (connected(p.d_vcm) + p.d_vc * mis(reverse_pdf_w)) / merge_share(opacity);
+// The subpath goes on in a direction of density pdf_w from a vertex of that opacity (eqs. 34 and 35); `reverse_pdf_w` is the density of having
+// come the other way. Of a delta lobe both leave out the same infinite factor, and nothing is connected there.
+void mis_scatter(inout SubpathMis m, float cosine, float pdf_w, float reverse_pdf_w, bool delta, float opacity) {
+    float there = heuristic(cosine / pdf_w);
+    float others = m.d_vc * heuristic(reverse_pdf_w) + (delta ? 0.0 : if_connected(m.d_vcm) + eta_vcm(opacity));
+    m.d_vc = there > 0.0 ? there * others : 0.0;                 // eq. 35
+    m.d_vcm = delta ? 0.0 : heuristic(1.0 / pdf_w);              // eq. 34
+    mis_bound(m);
 }
+
+// Chooses the direction in which the subpath goes on, and takes that step in its quantities.
+BsdfSample mis_sample(inout SubpathMis m, Vertex v, Bsdf b, Ray ray, vec3 u) {
+    BsdfSample s = bsdf_choose(b, v.wo, u);
+    vec2 pdf_w = HAS_OPEN_SAMPLES ? bsdf_pdf_both(b, v.wo, s.wi) : vec2(0.0, bsdf_pdf(b, s.wi, v.wo));
+    bsdf_close(b, v.wo, pdf_w.x, s);
+    vertex_check(v, ray, s);
+    float cosine = abs(dot(vertex_to_world(v, s.wi), v.at.normal));
+    // Refraction compresses solid angles by n_i^2 cos_i / (n_o^2 cos_o) (Veach 1997, section 5.2): turned round, its delta lobe is as much denser.
+    float reverse_pdf_w = s.delta ? s.pdf_w * abs(v.wo.z / s.wi.z) / (s.eta * s.eta) : pdf_w.y;
+    mis_scatter(m, cosine, s.pdf_w, reverse_pdf_w, s.delta, vertex_opacity(v));
+    return s;
+}
+
+// What the strategies with fewer vertices on one side of a connection weigh together (w_light and w_camera: eqs. 40, 41, 45 and 46):
+// `reverse_a` is the density, per scaled area, with which the other side would have sampled this side's end, of that opacity;
+// `reverse_pdf_w` that with which that end would then have gone on. The weight is 1 / (w_light + 1 + w_camera) (eq. 37).
+float mis_connection(SubpathMis m, float reverse_a, float reverse_pdf_w, float opacity) {
+    float there = heuristic(reverse_a);
+    return there > 0.0 ? there * (eta_vcm(opacity) + m.d_vcm + m.d_vc * heuristic(reverse_pdf_w)) : 0.0;
+}
+
+// The same sum on one side of a merge (eqs. 38 and 39).
+float mis_merge(SubpathMis m, float reverse_pdf_w, float opacity) {
+    return (if_connected(m.d_vcm) + m.d_vc * heuristic(reverse_pdf_w)) / eta_vcm(opacity);
+}
+
+// Weight of (0, t): the camera subpath has run into a light (eqs. 37 and 43). `choice_pdf_w` is the density with which (1, t - 1) picks that
+// direction, `cosine` lies at the light, `emission_a` is the density of light subpaths beginning there, per scaled area, and `emission_w`
+// that of going this way then.
+float mis_emission_weight(Path path, SubpathMis m, float choice_pdf_w, float cosine, float distance2, float emission_a, float emission_w) {
+    if (path.depth == 0u) return 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(emission_a)); // against (1, 1): m holds pixels per area there
+    float choice_a = choice_pdf_w * cosine / scaled_area(distance2);
+    return 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(choice_a) + m.d_vc * heuristic(emission_a * emission_w));
+}
+
+// Weight of (0, t) for a path that is too long for any other strategy but (1, t - 1).
+float mis_long_weight(Path path, float choice_pdf_w) { return CONNECTS && !path.delta ? 1.0 / (1.0 + heuristic(choice_pdf_w / path.pdf_w)) : 1.0; }

@@ -1,117 +1,96 @@
-// `mlt`: Metropolis light transport. Markov chains visit paths in proportion to what they bring, by changing the path that they are at, or
+// `mlt`: Metropolis light transport. Markov chains visit paths in proportion to their contribution, by mutating the path that they are at, or
 // the random numbers that it was made of: a path that was hard to find is followed by its neighbours.
 //
 // Form `primary` makes paths as `path` does (Kelemen et al. 2002, primary sample space); form `multiplexed` makes one of a given length
 // by one strategy of bidirectional path tracing at a time (Hachisuka et al. 2014); form `paths` mutates the vertices of paths themselves
-// (Veach and Guibas 1997). Consistent: the mean over all paths, which each visit brings, is estimated beside them.
+// (Veach and Guibas 1997). Consistent: the mean contribution, which scales the histogram of visits, is estimated beside them.
 //
-// Frames of no samples make the paths that chains may begin with; the host chooses among them.
+// Frames of no samples make the bootstrap samples; the host chooses among them where chains begin.
+//
+// To be read in this order: chains.glsl (proposals, acceptance, splats), numbers.glsl (random numbers as a chain's state), then a form:
+// primary.glsl, multiplexed.glsl, or paths.glsl with path_mutations.glsl, path_value.glsl and path_vertices.glsl.
 #version 460
-#define CHAINS
 #include "core/prelude.glsl"
-#include "techniques/metropolis/chains.glsl"
 
 #ifdef PASS_RESOLVE
 #include "core/resolve.glsl"
 #else
+#define SAMPLER_OF_CHAINS
 #include "trace/trace.glsl"
+#include "transport/lanes.glsl"
 
-// Each form says what is on its way (Walk), and of that at its end: `walk_share`, by which what it brings stands for its like; `walk_ratio`, of
-// what speaks for it to what speaks for the current path; `walk_kind` of path; `walk_known`, which the chain is to know of it; and `walk_source`,
-// the kind of a candidate with that of large steps which made it, and how much of the density of large steps there is not its kind's but the last one's.
-#ifdef PASS_PATHS
-#include "techniques/metropolis/path_mutations.glsl"
-struct Walk {
-    Mutation mutation;
-    vec2 position;
-    Weighed weighed;
-};
-bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
-    mutation_open(p, room, w.mutation);
-    return true;
-}
-bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
-    bool goes_on = mutation_follow(w.mutation, p, e, w.weighed);
-    w.position = w.mutation.position;
-    return goes_on;
-}
-uint walk_kind(Walk w, Proposal p) { return w.mutation.route.segments - 1u; }
-float walk_share(Walk w, Proposal p) { return w.weighed.share; }
-float walk_ratio(Walk w, Proposal p, float proposed) { return w.weighed.ratio; }
-uint walk_source(Walk w, Proposal p) { return candidate_source(walk_kind(w, p), p.kind, w.weighed.ran); }
-uint walk_known(Walk w) { return w.mutation.route.slot; }
-void walk_keep(Walk w, Proposal p, uint chain) {} // its vertices are in place
-#else
-#ifdef PASS_PRIMARY
+// Each form has a Walk, the path that a proposal makes on its way, with
+//     bool walk_begin(proposal, room, inout estimate, out walk)     false where it ends at once
+//     bool walk_extend(inout walk, proposal, inout estimate)        to the next vertex; false where it ends
+//     float walk_share(walk, proposal)       one over the density of large steps that its contribution is to be taken over
+//     float walk_ratio(walk, proposal, f)    acceptance ratio against the current path, but for target compression
+//     uint walk_kind(walk, proposal)         of path
+//     uint walk_known(walk)                  what the chain is to know of it
+//     uint walk_source(walk, proposal)       of a bootstrap sample: see candidate_source
+//     void walk_keep(walk, proposal, chain)  makes it the chain's current path
+#if defined(PASS_PATHS)
+#include "techniques/metropolis/paths.glsl"
+#elif defined(PASS_PRIMARY)
 #include "techniques/metropolis/primary.glsl"
-#define Walk Primary
-#define numbers_begin primary_begin
-#define numbers_extend primary_extend
-#define numbers_share primary_share
-#define walk_known primary_used
 #else
-const bool CONNECTS = true;
-const bool MEETS_LENS = false;
-const bool MERGES = false;
-const bool MERGES_FIRST = false;
 #include "techniques/metropolis/multiplexed.glsl"
-#define Walk Multiplexed
-#define numbers_begin multiplexed_begin
-#define numbers_extend multiplexed_extend
-#define numbers_share multiplexed_share
-#define walk_known multiplexed_used
-#endif
-bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) { return numbers_begin(p.random, p.kind, e, w); }
-bool walk_extend(inout Walk w, Proposal p, inout Estimate e) { return numbers_extend(w, e); }
-float walk_share(Walk w, Proposal p) { return numbers_share(w) / kind_probability(p.kind); }
-float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
-uint walk_kind(Walk w, Proposal p) { return p.kind; }
-uint walk_source(Walk w, Proposal p) { return candidate_source(p.kind, p.kind, 0.0); }
-void walk_keep(Walk w, Proposal p, uint chain) { keep_numbers(p.random, chain, walk_known(w)); }
 #endif
 
-layout(local_size_x = WORKGROUP) in;
-
-void main() {
-    ChainTable table = chain_table();
-    uint place = frame.first_slot + gl_GlobalInvocationID.x;
-    bool makes_candidate = frame.sample_count == 0u; // this one alone
-    if (gl_GlobalInvocationID.x >= frame.slot_count || !makes_candidate && place >= table.chains_of_sample) return;
-    uint sample_index = frame.first_sample, end = frame.first_sample + max(frame.sample_count, 1u), done = 0u;
+struct Lane {
+    uint place;         // of the bootstrap sample, or of the chain among those of a sample
+    uint sample_index, end, done; // samples from here to there, and mutations that the one at hand has had
+    uint chain, mutation;
+    Proposal proposal;
+    Walk walk;
     Estimate e;
-    e.rays = 0u;
-    Proposal p;
-    Walk w;
-    uint chain = 0u, mutation = 0u;
-    bool alive = false;
-    // A lane whose proposal has ended begins its next one at once instead of waiting for its neighbours.
-    while (alive || sample_index < end) {
-        if (!alive) {
-            chain = place + table.chains_of_sample * (sample_index % (table.chains / table.chains_of_sample));
-            mutation = sample_index * table.mutations + done + 1u;
-            if (makes_candidate) p = candidate_proposal(place);
-            else p = chain_propose(chain, mutation, uintBitsToFloat(PARAM1));
-            estimate_clear(e);
-            alive = walk_begin(p, makes_candidate ? gl_GlobalInvocationID.x : chain, e, w);
-        }
-        if (alive) alive = walk_extend(w, p, e);
-        if (!alive) {
-            proposal_close(w.position, walk_share(w, p), sample_index, e);
-            if (makes_candidate) {
-                candidate_at(place).candidate = Candidate(brings(e.radiance), walk_source(w, p));
-            } else {
-                p.kind = walk_kind(w, p);
-                float ratio = walk_ratio(w, p, brings(e.radiance));
-                Decision d = chain_decide(chain, mutation, p, w.position, walk_known(w), ratio, sample_index, e);
-                if (d.accepted) walk_keep(w, p, chain);
-                if (d.mutated) done += 1u;
-            }
-            if (makes_candidate || done == table.mutations) {
-                done = 0u;
-                sample_index += 1u;
-            }
-        }
-    }
-    count_rays(e.rays);
+};
+
+bool makes_bootstrap() { return frame.sample_count == 0u; } // one for each lane
+
+bool open(out Lane lane) {
+    lane.place = frame.first_slot + gl_GlobalInvocationID.x;
+    lane.sample_index = frame.first_sample;
+    lane.end = frame.first_sample + max(frame.sample_count, 1u);
+    lane.done = 0u;
+    lane.chain = lane.mutation = 0u;
+    lane.e.rays = 0u;
+    return makes_bootstrap() || lane.place < chain_table().chains_of_sample;
 }
+
+bool has_next(Lane lane) { return lane.sample_index < lane.end; }
+
+bool begin(inout Lane lane) {
+    ChainTable table = chain_table();
+    lane.chain = lane.place + table.chains_of_sample * (lane.sample_index % (table.chains / table.chains_of_sample));
+    lane.mutation = lane.sample_index * table.mutations + lane.done + 1u;
+    if (makes_bootstrap()) lane.proposal = candidate_proposal(lane.place);
+    else lane.proposal = chain_propose(lane.chain, lane.mutation, uintBitsToFloat(PARAM1));
+    estimate_clear(lane.e);
+    return walk_begin(lane.proposal, makes_bootstrap() ? gl_GlobalInvocationID.x : lane.chain, lane.e, lane.walk);
+}
+
+bool extend(inout Lane lane) { return walk_extend(lane.walk, lane.proposal, lane.e); }
+
+void end(inout Lane lane) {
+    Proposal p = lane.proposal;
+    Walk w = lane.walk;
+    proposal_close(w.position, walk_share(w, p), lane.sample_index, lane.e);
+    if (makes_bootstrap()) {
+        candidate_at(lane.place).candidate = Candidate(brings(lane.e.radiance), walk_source(w, p));
+    } else {
+        p.kind = walk_kind(w, p);
+        float ratio = walk_ratio(w, p, brings(lane.e.radiance));
+        Decision d = chain_decide(lane.chain, lane.mutation, p, w.position, walk_known(w), ratio, lane.sample_index, lane.e);
+        if (d.accepted) walk_keep(w, p, lane.chain);
+        if (d.mutated) lane.done += 1u;
+    }
+    if (makes_bootstrap() || lane.done == chain_table().mutations) {
+        lane.done = 0u;
+        lane.sample_index += 1u;
+    }
+}
+
+void close(Lane lane) { count_rays(lane.e.rays); }
+
+LANES(Lane, open, has_next, begin, extend, end, close)
 #endif

@@ -4,13 +4,14 @@
 //
 // What paths from the camera find by themselves, (0, t) and (1, t), is one kind for all lengths: one path finds all of it, as in `path`. Light
 // that only chance finds, by running into it, is found a hundred times as often as by a path for each length and strategy.
+#define STRATEGIES_OF_MULTIPLEXED
+#include "techniques/metropolis/chains.glsl"
 #include "techniques/bidirectional/connect.glsl"
-#include "techniques/bidirectional/connect_camera.glsl"
 
 // Where such a path is.
-struct Multiplexed {
+struct Walk {
     Path path;           // the part that is being made
-    Partial partial;     // its sums
+    SubpathMis mis;      // its recursive quantities
     bool from_light;     // that part is the light's
     bool by_camera;      // there is no other part, and all that it finds counts
     uint s, t;           // vertices of each part otherwise
@@ -24,120 +25,118 @@ struct Multiplexed {
 // Strategies with more from the light than a vertex to aim at: (2, k - 1) to (k, 1), and (1, 1).
 uint strategies(uint segments) { return max(segments - 1u, 1u); }
 
-// What one of these brings stands for all that make a path of this length: one over the probability of its choice.
-float multiplexed_share(Multiplexed m) { return m.by_camera ? 1.0 : float(strategies(m.s + m.t - 1u)); }
+// One over the density with which large steps make the path, over that of the path's own strategy: of choosing the strategy, and the kind.
+float walk_share(Walk w, Proposal p) { return (w.by_camera ? 1.0 : float(strategies(w.s + w.t - 1u))) / kind_probability(p.kind); }
 
 // Blocks of numbers that the path has used: of the camera's in the lower half, of the light's in the upper one.
-uint multiplexed_used(Multiplexed m) { return m.camera_random.dimension | (m.light_random.dimension - LIGHT_DIMENSION) << 16u; }
+uint walk_known(Walk w) { return w.camera_random.dimension | (w.light_random.dimension - LIGHT_DIMENSION) << 16u; }
 
-void multiplexed_begin_camera(inout Multiplexed m) {
-    m.from_light = false;
-    m.path = path_from_camera(camera_ray(m.position, m.lens), m.camera_random);
-    m.partial = partial_camera(camera_importance(m.path.ray.direction), lens_choice(), lens_cosine(m.path.ray.direction));
+void multiplexed_begin_camera(inout Walk w) {
+    w.from_light = false;
+    w.path = path_from_camera(camera_ray(w.position, w.lens), w.camera_random);
+    w.mis = mis_begin_camera(camera_importance(w.path.ray.direction), lens_choice(), lens_cosine(w.path.ray.direction));
 }
 
-// What the light's part shows to the camera, as a connection.
-Connection multiplexed_show(inout Multiplexed m, Shown shown) {
-    if (shown.value != vec3(0.0)) m.position = shown.position;
-    return Connection(shown.value, shown.weight, shown.ray, shown.absorption);
+// The light subpath connected to the camera, as a connection.
+Connection multiplexed_to_camera(inout Walk w, CameraConnection c) {
+    if (c.contribution != vec3(0.0)) w.position = c.position;
+    return Connection(c.contribution, c.weight, c.ray, c.absorption);
 }
 
-// Begins a path; `random` is at its beginning. Of kind 0 is what the camera finds, others are as many segments long. Returns whether anything
+// Begins a path. Of kind 0 is what the camera finds, others are as many segments long. Returns whether anything
 // is left to follow.
-bool multiplexed_begin(Sampler random, uint kind, inout Estimate e, out Multiplexed m) {
-    m.light_random = random;
-    m.light_random.dimension = LIGHT_DIMENSION;
+bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
+    Sampler random = p.random;
+    uint kind = p.kind;
+    w.light_random = random;
+    w.light_random.dimension = LIGHT_DIMENSION;
     vec4 u = next4(random);
     vec4 choice = next4(random);
-    m.camera_random = random;
-    m.position = image_place(u.xy);
-    m.lens = u.zw;
-    m.by_camera = kind == 0u;
+    w.camera_random = random;
+    w.position = image_place(u.xy);
+    w.lens = u.zw;
+    w.by_camera = kind == 0u;
     uint count = strategies(kind);
-    m.s = kind + 1u - count + min(uint(choice.x * float(count)), count - 1u);
-    m.t = kind + 1u - m.s;
-    if (m.by_camera) {
-        multiplexed_begin_camera(m);
+    w.s = kind + 1u - count + min(uint(choice.x * float(count)), count - 1u);
+    w.t = kind + 1u - w.s;
+    if (w.by_camera) {
+        multiplexed_begin_camera(w);
         return true;
     }
-    vec4 a = next4(m.light_random);
-    vec4 b = next4(m.light_random);
-    m.emitted = light_emit(a, b);
-    m.from_light = true;
-    m.path = path_along(Ray(m.emitted.origin, m.emitted.direction, INFINITY), m.light_random, false);
-    return m.s == 1u || m.emitted.power != vec3(0.0);
+    vec4 a = next4(w.light_random);
+    vec4 b = next4(w.light_random);
+    w.emitted = light_emit(a, b);
+    w.from_light = true;
+    w.path = path_from_light(w.emitted, w.light_random);
+    return w.s == 1u || w.emitted.power != vec3(0.0);
 }
 
 // Follows the part that is being made to its next vertex; returns whether anything is left to follow. What it finds there along a connection is
 // still to be added, were nothing in between.
-bool multiplexed_step(inout Multiplexed m, inout Estimate e, inout Connection found_by) {
-    if (!m.by_camera && m.s == 1u) {
-        found_by = multiplexed_show(m, shown_light(m.path, m.emitted));
-        m.light_random.dimension += 1u; // what showed it
+bool multiplexed_step(inout Walk w, inout Estimate e, inout Connection found_by) {
+    if (!w.by_camera && w.s == 1u) {
+        found_by = multiplexed_to_camera(w, connect_light_to_camera(w.path, w.emitted));
+        w.light_random.dimension += 1u; // what connected it
         return false;
     }
-    Hit hit;
-    Interaction at;
+    Vertex v;
     Pixel anywhere;
-    bool found = trace_visible(m.path.ray, hit, at, m.path.random, e.rays);
-    if (!m.from_light) m.camera_random.dimension = m.path.random.dimension;
-    uint segments = m.path.depth + 1u;
-    bool last = !m.by_camera && segments + 1u == (m.from_light ? m.s : m.t);
+    bool found = path_arrive(w.path, v, e.rays);
+    if (!w.from_light) w.camera_random.dimension = w.path.random.dimension;
+    uint segments = w.path.depth + 1u;
+    bool last = !w.by_camera && segments + 1u == (w.from_light ? w.s : w.t);
     bool both_sides = segments <= longest(); // other kinds make paths of this length too
     if (!found) {
-        if (HAS_BACKGROUND && m.by_camera) gather_background(anywhere, m.path, m.partial, both_sides, e);
+        if (HAS_BACKGROUND && w.by_camera) add_background(anywhere, w.path, w.mis, both_sides, e);
         return false;
     }
-    Vertex v = vertex_of(m.path.ray, at);
-    path_absorb(m.path, v);
-    path_measure(m.path, v);
-    float arriving = abs(dot(m.path.ray.direction, v.at.normal));
+    float arriving = abs(dot(w.path.ray.direction, v.at.normal));
     if (arriving == 0.0) return false;
-    if (!m.from_light) {
-        vec3 segment = v.at.position - m.path.from.position;
-        float distance2 = dot(segment, segment);
-        partial_arrive(m.partial, CAMERA == CAMERA_ORTHOGRAPHIC && m.path.depth == 0u ? 1.0 : distance2, arriving);
-        if (m.by_camera) gather_emission(anywhere, m.path, hit, v, m.partial, both_sides, arriving, distance2, e);
+    if (!w.from_light) {
+        float distance2 = mis_arrive_from_camera(w.mis, w.path, v, arriving);
+        if (w.by_camera) add_emission(anywhere, w.path, v, w.mis, both_sides, arriving, distance2, e);
     }
     if (v.material == NONE || segments >= MAX_DEPTH) return false;
 
-    vec3 arrived = m.path.throughput;
-    uint dimension = m.path.random.dimension;
-    Bsdf b = vertex_material(v, m.path.ray, m.path.random);
-    if (m.from_light) light_partial_arrive(m.partial, m.path, m.emitted, v, b, arriving);
-    vec4 light_u = next4(m.path.random);
-    vec4 bsdf_u = next4(m.path.random);
-    if (m.from_light) m.light_random.dimension = m.path.random.dimension;
-    else m.camera_random.dimension = m.path.random.dimension;
+    vec3 arrived = w.path.throughput;
+    uint dimension = w.path.random.dimension;
+    Bsdf b = vertex_material(v, w.path.ray, w.path.random);
+    if (w.from_light) mis_arrive_from_light(w.mis, w.path, w.emitted, v, b, arriving);
+    vec4 light_u = next4(w.path.random);
+    vec4 bsdf_u = next4(w.path.random);
+    if (w.from_light) w.light_random.dimension = w.path.random.dimension;
+    else w.camera_random.dimension = w.path.random.dimension;
     if (last && bsdf_is_delta(b)) return false;
 
-    if (last && m.from_light && m.t == 1u) {
-        found_by = multiplexed_show(m, shown_vertex(m.path, m.emitted.power, v, b, m.partial, light_u));
+    if (last && w.from_light && w.t == 1u) {
+        found_by = multiplexed_to_camera(w, connect_vertex_to_camera(w.path, w.emitted.power, v, b, w.mis, light_u));
         return false;
     }
-    if (last && m.from_light) {
-        m.end = LightVertex(v.at.position, m.path.ray.direction, v.at.normal, hit.primitive, hit.instance, hit.uv, m.emitted.power * arrived,
-                            m.partial.d_vcm, m.partial.d_vc, dimension, segments, m.path.absorption);
-        multiplexed_begin_camera(m);
+    if (last && w.from_light) {
+        w.end = LightVertex(v.at.position, w.path.ray.direction, v.at.normal, v.hit.primitive, v.hit.instance, v.hit.uv, w.emitted.power * arrived,
+                            w.mis.d_vcm, w.mis.d_vc, dimension, segments, w.path.absorption);
+        multiplexed_begin_camera(w);
         return true;
     }
     // What the camera finds of the lights at each vertex, or of the light's part at the last one.
-    if (last || m.by_camera && !bsdf_is_delta(b)) found_by = join(m.path, v, b, m.partial, segments < longest(), End(!last, light_u, m.end, m.light_random));
+    if (last || w.by_camera && !bsdf_is_delta(b)) found_by = connect(w.path, v, b, w.mis, segments < longest(), End(!last, light_u, w.end, w.light_random));
     if (last) return false;
 
-    BsdfSample s = partial_leave(m.partial, v, b, m.path.ray, bsdf_u.xyz);
-    if (m.from_light) s.weight *= adjoint_factor(v, m.path.ray, s);
-    path_scatter(m.path, v, b, s);
-    if (m.by_camera) return path_survives(m.path, m.path.eta * m.path.eta, bsdf_u.w);
-    return m.path.throughput != vec3(0.0);
+    BsdfSample s = mis_sample(w.mis, v, b, w.path.ray, bsdf_u.xyz);
+    if (w.from_light) s.weight *= adjoint_factor(v, w.path.ray, s);
+    path_scatter(w.path, v, b, s);
+    if (w.by_camera) return path_survives(w.path, w.path.eta * w.path.eta, bsdf_u.w);
+    return w.path.throughput != vec3(0.0);
 }
 
-bool multiplexed_extend(inout Multiplexed m, inout Estimate e) {
+bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
     Connection found_by;
-    found_by.value = vec3(0.0);
+    found_by.contribution = vec3(0.0);
     // Segments of the whole path: by the camera alone one more than it has.
-    uint segments = m.by_camera ? m.path.depth + 2u : m.s + m.t - 1u;
-    bool left = multiplexed_step(m, e, found_by);
-    if (found_by.value != vec3(0.0)) contribute(e, segments, found_by.value * ray_transmittance(found_by.ray, found_by.absorption, e.rays) * found_by.weight);
+    uint segments = w.by_camera ? w.path.depth + 2u : w.s + w.t - 1u;
+    bool left = multiplexed_step(w, e, found_by);
+    if (found_by.contribution != vec3(0.0)) contribute(e, segments, found_by.contribution * ray_transmittance(found_by.ray, found_by.absorption, e.rays) * found_by.weight);
     return left;
 }
+
+#include "techniques/metropolis/numbers_walk.glsl"

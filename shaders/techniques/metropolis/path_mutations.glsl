@@ -276,13 +276,12 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
             x.kind = old.kind & VERTEX_DELTA;
             if (vertex_kind(old) == VERTEX_SURFACE) x.own = old.own;
         }
-        Hit hit;
-        Interaction at;
+        Vertex met;
         Sampler masks = Sampler(m.random.chain, m.random.mutation, (i + (m.backwards ? 513u : 1u)) * VERTEX_NUMBERS + MASK_NUMBERS, 0u);
-        if (trace_visible(m.ray, hit, at, masks, rays)) {
-            x.position = at.position;
-            x.detail = uvec3(hit.instance, floatBitsToUint(hit.uv));
-            x.index = hit.primitive;
+        if (vertex_arrive(m.ray, met, masks, rays)) {
+            x.position = met.at.position;
+            x.detail = uvec3(met.hit.instance, floatBitsToUint(met.hit.uv));
+            x.index = met.hit.primitive;
         } else {
             x.position = m.ray.direction;
             x.kind = VERTEX_BACKGROUND;
@@ -294,7 +293,7 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
         path_vertex(m.route.chain, m.route.slot, i).vertex = x;
         m.at = i;
         if (m.runs) {
-            if (vertex_kind(x) == VERTEX_BACKGROUND || is_lamp(vertex_of(m.ray, at))) {
+            if (vertex_kind(x) == VERTEX_BACKGROUND || is_lamp(met)) {
                 m.route.segments = m.from_camera = i;
                 m.last = i + 1u;
                 return false;

@@ -5,7 +5,7 @@
 // to area at the next vertex (`arriving` times `nearness`), and F the throughput of the path from the camera times what is emitted, a
 // path brings F p_0 A_1 p_1 A_2 ... A_k per area at all its vertices.
 #include "techniques/metropolis/path_vertices.glsl"
-#include "transport/path.glsl"
+#include "transport/emission.glsl"
 #include "transport/light_subpath.glsl"
 
 // A proposed path. Vertices up to `kept_before` and from `kept_after` on are those of the current one.

@@ -1,23 +1,25 @@
-// A path as `path` makes it, from random numbers that are mutated (Kelemen et al. 2002).
+// A path as `path` makes it, from random numbers that are mutated (Kelemen et al. 2002, primary sample space).
 #include "techniques/metropolis/chains.glsl"
 #include "techniques/path/explicit.glsl"
 
-struct Primary {
+struct Walk {
     Path path;
     vec2 position; // in the image
 };
 
-// Begins a path; `random` is at its beginning. Lengths are of one kind. Returns whether anything is left to follow.
-bool primary_begin(Sampler random, uint kind, inout Estimate e, out Primary p) {
-    vec4 u = next4(random);
-    p.position = image_place(u.xy);
-    p.path = path_from_camera(camera_ray(p.position, u.zw), random);
+// Lengths are of one kind.
+bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
+    vec4 u = next4(p.random);
+    w.position = image_place(u.xy);
+    w.path = path_from_camera(camera_ray(w.position, u.zw), p.random);
     return true;
 }
 
-bool primary_extend(inout Primary p, inout Estimate e) { return path_extend(p.path, e); }
+bool walk_extend(inout Walk w, Proposal p, inout Estimate e) { return explicit_extend(w.path, e); }
 
-float primary_share(Primary p) { return 1.0; }
+float walk_share(Walk w, Proposal p) { return 1.0 / kind_probability(p.kind); }
 
 // Blocks of numbers that the path has used.
-uint primary_used(Primary p) { return min(p.path.random.dimension, 0xffffu); }
+uint walk_known(Walk w) { return min(w.path.random.dimension, 0xffffu); }
+
+#include "techniques/metropolis/numbers_walk.glsl"

@@ -6,17 +6,17 @@
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
-#include "transport/path.glsl"
-#include "transport/arrive.glsl"
+#include "transport/emission.glsl"
+#include "transport/camera_lanes.glsl"
 
 const uint FORM_BIASED = 1u;
 const uint FIXED_LENGTH = 8u; // of the biased form, where the scene gives no limit
 
-bool path_extend(inout Path path, inout Estimate e) {
-    // 1. Emission that the path has run into.
+bool implicit_extend(inout Path path, inout Estimate e) {
+    // 1. Emission that the path has run into, all of which counts.
     Vertex v;
     vec3 emission;
-    if (!path_arrive(path, v, emission, e)) return false;
+    if (!arrive_at_emission(path, v, emission, e)) return false;
     if (v.material == NONE) return false;
     if (PARAM0 == FORM_BIASED) {
         if (emission != vec3(0.0) || path.depth + 1u >= min(MAX_DEPTH, FIXED_LENGTH)) return false;
@@ -39,4 +39,6 @@ bool path_extend(inout Path path, inout Estimate e) {
     return true;
 }
 
-#include "transport/lanes.glsl"
+bool extend(inout CameraLane lane) { return implicit_extend(lane.path, lane.e); }
+
+CAMERA_LANES(extend)

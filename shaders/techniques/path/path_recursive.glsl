@@ -11,8 +11,9 @@
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
-#include "transport/path.glsl"
+#include "transport/emission.glsl"
 #include "transport/nee.glsl"
+#include "transport/camera_lanes.glsl"
 
 const bool RETURNS_RADIANCE = PARAM0 == 0u;
 
@@ -65,10 +66,9 @@ void unwind(inout Estimate e) {
 // argument that is handed down; with returns=radiance only Russian roulette looks at it.
 bool radiance(inout Path path, inout Estimate e) {
     Call call = Call(vec3(0.0), vec3(0.0), vec3(0.0));
-    Hit hit;
-    Interaction at;
-    bool found = path_trace(path, hit, at, e);
-    if (!found) {
+    Path before = path;
+    Vertex v;
+    if (!path_arrive(path, v, e.rays)) {
         if (HAS_BACKGROUND) {
             vec3 handed_down = RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
             call.emission = handed_down * background_radiance(path.ray.direction) * background_weight(path);
@@ -76,17 +76,13 @@ bool radiance(inout Path path, inout Estimate e) {
         }
         return false;
     }
-    Vertex v = vertex_of(path.ray, at);
-    Path one = path;
-    one.throughput = vec3(1.0);
-    path_absorb(one, v);
-    path_absorb(path, v);
-    path_measure(path, v);
-    vec3 handed_down = RETURNS_RADIANCE ? one.throughput : path.throughput;
+    before.throughput = vec3(1.0);
+    path_absorb(before, v); // this call's own segment
+    vec3 handed_down = RETURNS_RADIANCE ? before.throughput : path.throughput;
 
     // Emission.
     vec3 emission = vertex_emission(v, path.ray);
-    if (emission != vec3(0.0)) call.emission = handed_down * emission * emission_weight(path, hit, v);
+    if (emission != vec3(0.0)) call.emission = handed_down * emission * emission_weight(path, v);
     if (!RETURNS_RADIANCE) contribute(e, path.depth + 1u, call.emission);
     bool ends = path.depth + 1u >= MAX_DEPTH || v.material == NONE;
 
@@ -96,7 +92,8 @@ bool radiance(inout Path path, inout Estimate e) {
         vec4 light_u = next4(path.random);
         vec4 bsdf_u = next4(path.random);
         BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
-        call.direct = next_event(path, v, b, handed_down, light_u, s, e.rays);
+        NextEvent n = nee_sample(path, v, b, light_u, s);
+        call.direct = nee_visible(path, v, b, n, handed_down, nee_weight(n), e.rays);
         if (!RETURNS_RADIANCE) contribute(e, path.depth + 2u, call.direct);
 
         // The inner call.
@@ -112,10 +109,10 @@ bool radiance(inout Path path, inout Estimate e) {
     return !ends;
 }
 
-bool path_extend(inout Path path, inout Estimate e) {
-    if (radiance(path, e)) return true;
-    unwind(e);
+bool extend(inout CameraLane lane) {
+    if (radiance(lane.path, lane.e)) return true;
+    unwind(lane.e);
     return false;
 }
 
-#include "transport/lanes.glsl"
+CAMERA_LANES(extend)

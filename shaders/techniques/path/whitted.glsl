@@ -7,8 +7,9 @@
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
-#include "transport/path.glsl"
-#include "transport/arrive.glsl"
+#include "transport/emission.glsl"
+#include "transport/nee.glsl"
+#include "transport/camera_lanes.glsl"
 #include "lights/middle.glsl"
 
 const bool BRANCHES = PARAM0 == 0u;
@@ -61,17 +62,16 @@ bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
     return path_survives(path, path.eta * path.eta, u);
 }
 
-// Light that is scattered by the vertex once.
-void gather_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
+// Light that is scattered by the vertex once: the mean over so many shadow rays.
+void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
         vec4 u = next4(path.random);
-        Receiver r = vertex_receiver(v, b);
         LightSample light = no_light();
-        if (POINT_LIGHTS) light = light_middle_sample(r, u);
-        else light = light_sample(r, u);
-        vec3 wi = vertex_to_local(v, light.wi);
-        vec3 radiance = path.throughput * vertex_eval(v, b, path.ray, wi, light.wi) * light.weight / float(shadow_rays());
-        if (radiance != vec3(0.0)) contribute(e, path.depth + 2u, radiance * vertex_transmittance(v, light, vertex_absorption(v, b, path.absorption, wi), e.rays));
+        if (POINT_LIGHTS) light = light_middle_sample(vertex_receiver(v, b), u);
+        else light = light_sample(vertex_receiver(v, b), u);
+        BsdfSample none = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
+        NextEvent n = nee_connect(path, v, b, light, none);
+        contribute(e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, 1.0 / float(shadow_rays()), e.rays));
     }
 }
 
@@ -79,10 +79,10 @@ void gather_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
 bool branch_extend(inout Path path, inout Estimate e) {
     Vertex v;
     vec3 emission;
-    if (!path_arrive(path, v, emission, e)) return false;
+    if (!arrive_at_emission(path, v, emission, e)) return false;
     if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
-    if (!bsdf_is_delta(b)) gather_lights(path, v, b, e);
+    if (!bsdf_is_delta(b)) connect_lights(path, v, b, e);
 
     vec4 u = next4(path.random);
     if (!BRANCHES || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
@@ -93,11 +93,11 @@ bool branch_extend(inout Path path, inout Estimate e) {
     return goes_on(path, v, b, second, u.z);
 }
 
-bool path_extend(inout Path path, inout Estimate e) {
-    if (branch_extend(path, e)) return true;
+bool extend(inout CameraLane lane) {
+    if (branch_extend(lane.path, lane.e)) return true;
     if (waiting == 0u) return false;
-    take_up(path);
+    take_up(lane.path);
     return true;
 }
 
-#include "transport/lanes.glsl"
+CAMERA_LANES(extend)

@@ -1,17 +1,27 @@
-// The main function of photon mapping's pass `light`: follows the light paths of a sample and keeps photons of them.
+// The pass `light` of photon mapping: follows the light subpaths of a sample and keeps photons of them.
 #include "techniques/photon/photons.glsl"
-#include "transport/light_subpath.glsl"
+#include "transport/light_lanes.glsl"
 
-layout(local_size_x = WORKGROUP) in;
+struct Lane {
+    LightLane light;
+    PhotonPath kept;
+    uint met; // photons of the subpath that were kept, or would have been if there were room
+};
 
-// Follows the path to its next vertex, keeps a photon there, and chooses the ray after it.
-bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout uint rays) {
-    Hit hit;
-    Interaction at;
-    if (!trace_visible(path.ray, hit, at, path.random, rays)) return false;
-    Vertex v = vertex_of(path.ray, at);
-    path_absorb(path, v);
-    if (v.material == NONE) return false;
+bool open(out Lane lane) { return light_open(lane.light); }
+bool has_next(Lane lane) { return light_has_next(lane.light); }
+
+bool begin(inout Lane lane) {
+    light_begin(lane.light);
+    lane.kept = photon_path(lane.light.pixel.index);
+    lane.met = 0u;
+    return MAX_DEPTH > 1u && lane.light.emitted.power != vec3(0.0);
+}
+
+// Follows the subpath to its next vertex, keeps a photon there, and chooses the ray after it.
+bool follow(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout uint rays) {
+    Vertex v;
+    if (!path_arrive(path, v, rays) || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
     uint segments = path.depth + 1u;
     vec4 bsdf_u = next4(path.random);
@@ -28,19 +38,17 @@ bool light_path_extend(PhotonPath kept, vec3 power, inout Path path, inout uint 
     return path_survives(path, 1.0, bsdf_u.w);
 }
 
-void main() {
-    if (gl_GlobalInvocationID.x >= frame.slot_count) return;
-    uint index = frame.first_slot + gl_GlobalInvocationID.x;
-    if (index >= frame.light_path_count) return;
-    PhotonPath kept = photon_path(index);
-    uint rays = 0u, met = 0u;
-    EmittedRay emitted;
-    Path path = light_path_begin(index, frame.first_sample, emitted);
-    bool alive = MAX_DEPTH > 1u && emitted.power != vec3(0.0);
-    while (alive) alive = light_path_extend(kept, emitted.power, path, met, rays);
-    kept.count = min(met, frame.light_vertices);
-    if (met > kept.count) {
-        for (uint i = 0u; i < kept.count; i++) kept.at[i].power *= kept_share(met);
+bool extend(inout Lane lane) { return follow(lane.kept, lane.light.emitted.power, lane.light.path, lane.met, lane.light.rays); }
+
+// Where more photons were met than there is room for, those that are kept stand for all.
+void end(inout Lane lane) {
+    lane.kept.count = min(lane.met, frame.light_vertices);
+    if (lane.met > frame.light_vertices) {
+        for (uint i = 0u; i < lane.kept.count; i++) lane.kept.at[i].power *= kept_share(lane.met);
     }
-    count_rays(rays);
+    light_end(lane.light);
 }
+
+void close(Lane lane) { light_close(lane.light); }
+
+LANES(Lane, open, has_next, begin, extend, end, close)

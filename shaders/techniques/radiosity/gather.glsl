@@ -1,6 +1,8 @@
 // What a point of a diffuse surface receives, by one ray: light that comes straight from its source, and the patch that would send it
 // more.
 #include "techniques/radiosity/patches.glsl"
+#include "transport/emission.glsl"
+#include "transport/nee.glsl"
 
 struct Gathered {
     vec3 direct;    // irradiance from lights, W/m^2
@@ -15,9 +17,7 @@ vec3 gather_light(Interaction at, vec3 normal, vec4 u, inout uint rays) {
     float cosine = dot(normal, light.wi);
     if (cosine <= 0.0 || light.weight == vec3(0.0)) return vec3(0.0);
     float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, INV_PI * cosine);
-    vec3 origin = offset_origin(at.position, at.margin, at.normal, light.wi);
-    Ray ray = light.distant ? Ray(origin, light.wi, INFINITY) : ray_between(origin, light.target);
-    return light.weight * (cosine * weight * trace_transmittance(ray, rays));
+    return light.weight * (cosine * weight * trace_transmittance(shadow_ray(at, light), rays));
 }
 
 // `normal` is that of the side that receives. The ray's direction has the density cos / pi, so that what comes along it counts pi times
@@ -32,23 +32,21 @@ Gathered gather(PatchTable t, Interaction at, vec3 normal, vec2 u, vec4 light_u,
     float pdf_w = INV_PI * local.z;
     ray = Ray(offset_origin(at.position, at.margin, at.normal, w), w, INFINITY);
     Receiver from = Receiver(ray.origin, normal, false);
-    Hit hit;
-    Interaction met;
+    Vertex v;
     Ray moved = ray; // behind masks that let it pass
-    if (!trace_visible(moved, hit, met, random, rays)) {
+    if (!vertex_arrive(moved, v, random, rays)) {
         if (HAS_BACKGROUND) g.direct += PI * background_radiance(w) * power_heuristic(pdf_w, background_pdf(w));
         return g;
     }
-    Vertex v = vertex_of(moved, met);
     vec3 emission = vertex_emission(v, moved);
     if (emission != vec3(0.0)) {
-        float weight = t.found != 0u ? 1.0 : power_heuristic(pdf_w, light_pdf(from, moved, hit, v.at, v.surface));
+        float weight = t.found != 0u ? 1.0 : power_heuristic(pdf_w, light_pdf(from, moved, v.hit, v.at, v.surface));
         g.direct += PI * weight * emission;
     }
     g.distance = distance(ray.origin, v.at.position);
     ray = moved;
     vec2 c;
-    g.from = patch_at(t, hit, v.at.position, v.front, c);
+    g.from = patch_at(t, v.hit, v.at.position, v.front, c);
     g.met = g.from == NONE ? 1u : Patches(t.patches).at[g.from].column;
     return g;
 }

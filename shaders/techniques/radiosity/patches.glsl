@@ -1,5 +1,5 @@
 // Patches: the pieces of surfaces that have one value each. Which of them a ray met, points of one, and the values.
-#include "transport/path.glsl"
+#include "transport/vertex.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PatchTables { PatchTable table; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PatchFaces { PatchFace at[]; };

@@ -24,6 +24,8 @@ const uint SHOWN_PATCHES = 1u;
 const uint SHOWN_GATHERED = 2u;
 
 #ifdef PASS_PIXELS
+#include "transport/camera_lanes.glsl"
+
 // The layer's irradiance at a hit.
 vec3 shown(PatchTable t, uint index, vec2 c, uint layer) {
     if (PARAM1 == SHOWN_VERTICES) return interpolated(t, index, c, layer);
@@ -57,16 +59,12 @@ bool gather_finally(PatchTable t, Vertex v, vec3 carried, inout Path path, inout
     return false;
 }
 
-bool path_extend(inout Path path, inout Estimate e) {
-    Hit hit;
-    Interaction at;
-    if (!path_trace(path, hit, at, e)) {
-        if (HAS_BACKGROUND && path.depth == 0u) contribute(e, 1u, path.throughput * background_radiance(path.ray.direction));
+bool show(inout Path path, inout Estimate e) {
+    Vertex v;
+    if (!path_arrive(path, v, e.rays)) {
+        if (HAS_BACKGROUND && path.depth == 0u) contribute(e, 1u, background_contribution(path));
         return false;
     }
-    Vertex v = vertex_of(path.ray, at);
-    path_absorb(path, v);
-    path_measure(path, v);
     vec3 emission = vertex_emission(v, path.ray);
     if (emission != vec3(0.0) && path.depth == 0u) contribute(e, 1u, path.throughput * emission); // later it is gathered
     if (path.depth + 2u > MAX_DEPTH || v.material == NONE) return false;
@@ -79,13 +77,15 @@ bool path_extend(inout Path path, inout Estimate e) {
     PatchTable t = patch_table();
     if (PARAM1 == SHOWN_GATHERED) return gather_finally(t, v, carried, path, e);
     vec2 c;
-    uint index = patch_at(t, hit, v.at.position, v.front, c);
+    uint index = patch_at(t, v.hit, v.at.position, v.front, c);
     if (index == NONE) return false;
     for (uint layer = 0u; layer < t.layers; layer++) contribute(e, layer + 2u, carried * shown(t, index, c, layer));
     return false;
 }
 
-#include "transport/lanes.glsl"
+bool extend(inout CameraLane lane) { return show(lane.path, lane.e); }
+
+CAMERA_LANES(extend)
 #elif defined(PASS_SHOOT) || defined(PASS_COLLECT)
 #include "techniques/radiosity/shoot.glsl"
 #else

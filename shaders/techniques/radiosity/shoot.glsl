@@ -48,15 +48,13 @@ void arrive(PatchTable t, uint patch_, uint layer, vec3 power) {
 
 // The patch that a ray meets, or NONE; `share` is what a mask leaves out of its rays.
 uint patch_met(PatchTable t, Ray ray, inout Sampler random, out uint met, out float share, inout uint rays) {
-    Hit hit;
-    Interaction at;
+    Vertex v;
     met = 0u;
     share = 1.0;
-    if (!trace_visible(ray, hit, at, random, rays)) return NONE;
-    Vertex v = vertex_of(ray, at);
+    if (!vertex_arrive(ray, v, random, rays)) return NONE;
     share = 1.0 / vertex_opacity(v);
     vec2 c;
-    uint index = patch_at(t, hit, v.at.position, v.front, c);
+    uint index = patch_at(t, v.hit, v.at.position, v.front, c);
     met = index == NONE ? 1u : Patches(t.patches).at[index].column;
     return index;
 }

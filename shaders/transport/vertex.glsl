@@ -1,0 +1,126 @@
+// A vertex of a path: the surface point where a ray arrived, its material, and the rays that leave it.
+#include "transport/visibility.glsl"
+#include "materials/bsdf.glsl"
+#include "lights/light.glsl"
+
+// A surface point in its local shading frame, on the side that the path came from.
+struct Vertex {
+    Hit hit;
+    Interaction at;
+    Surface surface;
+    Frame frame;
+    vec3 wo;           // local, towards the previous vertex
+    float turned;      // -1 where the frame is turned round to face a path that came to the back
+    uint material;     // NONE reflects nothing
+    bool front;        // the path came to the front of the surface, by the shading normal
+    bool mapped;       // a normal or bump map tilts the frame off the shading normal
+    float side;        // of what the path sees there, in texture coordinates; 0 is a point
+};
+
+// The vertex where the ray has arrived.
+Vertex vertex_of(Ray ray, Hit hit, Interaction at) {
+    Vertex v;
+    v.hit = hit;
+    v.at = at;
+    v.surface = load_surface(v.at.surface);
+    v.frame = frame_from_normal(v.at.shading_normal);
+    v.wo = to_local(v.frame, -ray.direction);
+    v.front = v.wo.z > 0.0;
+    v.material = v.front || !HAS_BACK_MATERIALS ? v.surface.front : v.surface.back;
+    v.turned = 1.0;
+    v.mapped = false;
+    v.side = 0.0;
+    if (!HAS_BACK_MATERIALS && !v.front || v.wo.z == 0.0) v.material = NONE;
+    return v;
+}
+
+Vertex vertex_at(Ray ray, Hit hit) { return vertex_of(ray, hit, interaction_at(ray, hit)); }
+
+// Follows the ray to the nearest surface that does not let it pass, and moves it on behind those that do; false where it leaves the scene.
+bool vertex_arrive(inout Ray ray, out Vertex v, inout Sampler random, inout uint rays) {
+    Hit hit;
+    Interaction at;
+    if (!trace_visible(ray, hit, at, random, rays)) return false;
+    v = vertex_of(ray, hit, at);
+    return true;
+}
+
+#include "transport/shading_basis.glsl"
+
+// The vertex's material; turns the frame round where the path came to the back of something that reflects only.
+Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
+    Bsdf b = bsdf_at(v.material, v.at.uv, v.side, v.at.colour, random);
+    if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
+        v.frame = shading_frame(v.at, b.m, v.mapped);
+        v.wo = to_local(v.frame, -ray.direction);
+    }
+    if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(b)) {
+        v.wo.z = -v.wo.z;
+        v.turned = -1.0;
+    }
+    return b;
+}
+
+vec3 vertex_to_world(Vertex v, vec3 w) { return to_world(v.frame, vec3(w.xy, w.z * v.turned)); }
+
+vec3 vertex_to_local(Vertex v, vec3 w) {
+    vec3 local = to_local(v.frame, w);
+    return vec3(local.xy, local.z * v.turned);
+}
+
+// A tilted frame calls directions above the surface that are below it and the other way round; neither carries light, or it
+// would leak through.
+bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
+
+// Whether light goes from one direction to the other, the local and world forms of the second being given.
+bool vertex_scatters(Vertex v, Ray ray, vec3 local, vec3 world) {
+    return !v.mapped || vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, local, world);
+}
+
+vec3 vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
+    return vertex_scatters(v, ray, local, world) ? bsdf_eval(b, v.wo, local) : vec3(0.0);
+}
+
+// Takes the weight of a sample that is not sound.
+void vertex_check(Vertex v, Ray ray, inout BsdfSample s) {
+    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, s.wi, vertex_to_world(v, s.wi)))) s.weight = vec3(0.0);
+}
+
+BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
+    BsdfSample s = bsdf_sample(b, v.wo, u);
+    vertex_check(v, ray, s);
+    return s;
+}
+
+// The ray from one point to just before another.
+Ray ray_between(vec3 origin, vec3 target) {
+    vec3 d = target - origin;
+    float distance = length(d);
+    return Ray(origin, d / distance, distance * (1.0 - gamma(8.0)));
+}
+
+float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv); }
+
+// The vertex as what lights shine on.
+Receiver vertex_receiver(Vertex v, Bsdf b) { return Receiver(v.at.position, v.turned * v.frame.normal, bsdf_transmits(b)); }
+
+// The ray that leaves the vertex in the world direction w.
+Ray vertex_ray(Vertex v, vec3 w) {
+    return Ray(offset_origin(v.at.position, v.at.margin, v.at.normal, w), w, INFINITY);
+}
+
+// The same up to a target that lies off its own surface, like the origin: what is left is the rounding of t.
+Ray vertex_ray_to(Vertex v, vec3 w, vec3 target) { return ray_between(vertex_ray(v, w).origin, target); }
+
+// Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.
+vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
+    if (!HAS_ABSORPTION || (b.m.flags & MATERIAL_HAS_ABSORPTION) == 0u || local.z * v.wo.z > 0.0) return absorption;
+    return local.z < 0.0 ? b.layered.absorption : vec3(0.0);
+}
+
+// Share of light that passes along a ray through a medium of this absorption, from end to end.
+vec3 ray_transmittance(Ray ray, vec3 absorption, inout uint rays) {
+    float through = trace_transmittance(ray, rays);
+    if (!HAS_ABSORPTION || absorption == vec3(0.0)) return vec3(through);
+    return ray.t_max == INFINITY ? vec3(0.0) : through * exp(-absorption * ray.t_max);
+}
