@@ -51,7 +51,7 @@ Ray camera_ray_from(vec3 shift, vec2 position) {
     return Ray(scene.camera_origin, normalize(d), INFINITY);
 }
 
-// The same; `u` chooses the point.
+// The ray through the image at `position`; `u` chooses the point of the lens.
 Ray camera_ray(vec2 position, vec2 u) { return camera_ray_from(lens_shift(u), position); }
 
 // How the camera sees a point: the other way round, for paths from the lights.
@@ -135,7 +135,7 @@ CameraView camera_view_from(vec3 shift, vec3 p) {
     return v;
 }
 
-// The same; `u` chooses the point.
+// How the camera sees p; `u` chooses the point of the lens.
 CameraView camera_view(vec3 p, vec2 u) { return camera_view_from(lens_shift(u), p); }
 
 // A pixel that a position in the image belongs to, chosen by the filter's absolute value at it, along one axis; multiplies `weight`

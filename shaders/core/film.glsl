@@ -21,7 +21,7 @@ void estimate_clear(inout Estimate e) {
     }
 }
 
-// Adds what a path of `length` segments brings (length 1: the camera sees a light).
+// Adds the contribution of a path of `length` segments (length 1: the camera sees a light).
 void contribute(inout Estimate e, uint length, vec3 radiance) {
     e.radiance += radiance;
     if (LENGTH_LAYERS > 0u) e.by_length[min(length, LENGTH_LAYERS) - 1u] += radiance;

@@ -78,7 +78,7 @@ vec4 next4(inout Sampler s) {
     return uniform4(bits);
 }
 
-// The same in spread pairs, whatever the sampler.
+// The next four numbers as two pairs that the samples of a pixel spread evenly over the unit square, whatever the sampler.
 vec4 next4_spread(inout Sampler s) {
     uvec4 bits = sobol_pairs(s);
     s.dimension += 1u;

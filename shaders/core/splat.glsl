@@ -16,7 +16,7 @@ Splat splat_of(uint pixel, uint sample_index, uint layer) {
     return Splat(unpack32(pack64(frame.splats) + uint64_t(FIXED_RGB_BYTES) * index));
 }
 
-// Adds what a path of `length` segments brings to a pixel in this sample.
+// Adds the contribution of a path of `length` segments to a pixel in this sample.
 void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     vec3 units = value / scene.splat_unit;
     if (!all(lessThan(abs(units), vec3(LARGEST_SPLAT)))) {
@@ -30,7 +30,7 @@ void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     }
 }
 
-// The same for the strategy (s, t), by itself and with its weight among all.
+// Adds the contribution of the strategy (s, t), by itself and with its weight among all.
 void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
     uint k = s + t - 1u;
     uint layer = (k - 1u) * (k + 2u) + 2u * s; // of shorter paths, then of fewer vertices from the light
@@ -39,7 +39,7 @@ void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, f
     splat(pixel, sample_index, layer + 2u, value * weight);
 }
 
-// Adds what a path from the camera has gathered to its own pixel.
+// Adds the estimate of a path from the camera to its own pixel.
 void splat_sample(Pixel pixel, Estimate e) {
     if (HAS_STRATEGIES) return;
     if (LENGTH_LAYERS == 0u) splat(pixel.index, pixel.sample_index, 1u, e.radiance * pixel.filter_weight);

@@ -6,7 +6,7 @@ struct EmittedRay {
     vec3 power;     // emitted radiance (or intensity, or irradiance) and cosine over the density of the choice, W
     vec3 position;  // of an area light: the point ...
     vec3 normal;    // ... and its normal
-    vec3 shown;     // of an area light: radiance over pdf_a
+    vec3 radiance_over_pdf; // of an area light: emitted radiance over pdf_a
     float pdf_a;    // of an area light: density of the point per area, selection included; of parallel light: of the ray per area across
     float pdf_w;    // of a delta position: density of the direction over solid angle
     float d_vc;     // cosine at the light over the density of point and direction, in squares of the scene's radius; 0 of a delta light
@@ -74,23 +74,23 @@ bool sample_core(vec3 position, inout vec2 u, out vec3 direction) {
     float one_minus_cos = cone * u.x / TO_CORE;
     float sine = sqrt(one_minus_cos * (2.0 - one_minus_cos));
     float phi = 2.0 * PI * u.y;
-    direction = to_world(frame_from_normal(normalize(scene.core_centre - position)), vec3(sine * cos(phi), sine * sin(phi), 1.0 - one_minus_cos));
+    direction = to_world(basis_from_normal(normalize(scene.core_centre - position)), vec3(sine * cos(phi), sine * sin(phi), 1.0 - one_minus_cos));
     return true;
 }
 
 // A point of an area light, with a direction towards the core or by the cosine.
 EmittedRay surface_emit(Light light, vec3 position, float margin, vec3 normal, float area, vec2 v) {
     EmittedRay e = no_emission();
-    if (!sample_core(position, v, e.direction)) e.direction = to_world(frame_from_normal(normal), sample_cosine_hemisphere(v));
+    if (!sample_core(position, v, e.direction)) e.direction = to_world(basis_from_normal(normal), sample_cosine_hemisphere(v));
     e.position = position;
     e.normal = normal;
     e.pdf_a = light.emission_probability / area;
-    e.shown = light.radiance / e.pdf_a;
+    e.radiance_over_pdf = light.radiance / e.pdf_a;
     e.origin = offset_origin(position, margin, normal, e.direction);
     float cosine = dot(e.direction, normal);
     if (cosine <= 0.0) return e; // towards the core, but behind the light
     float cosine_over_pdf = cosine / surface_emission_pdf(position, e.direction, cosine);
-    e.power = e.shown * cosine_over_pdf;
+    e.power = e.radiance_over_pdf * cosine_over_pdf;
     e.d_vc = cosine_over_pdf / (e.pdf_a * scene.radius * scene.radius);
     return e;
 }
@@ -120,5 +120,5 @@ vec3 disk_origin(vec3 direction, vec2 u) {
     }
     // From outside of the scene, wherever the core lies in it.
     float back = scene.radius + dot(direction, centre - scene.centre);
-    return centre + to_world(frame_from_normal(direction), vec3(radius * sample_disk(u), -back));
+    return centre + to_world(basis_from_normal(direction), vec3(radius * sample_disk(u), -back));
 }

@@ -66,7 +66,7 @@ bool background_chosen(inout float u) {
 }
 
 // One of all other lights, chosen from the alias table or the tree, with the probability of that; false where there is none.
-bool light_choose(Receiver r, vec2 u, out Light light) {
+bool light_choose(ReferencePoint r, vec2 u, out Light light) {
     uint count = HAS_LIGHT_TREE ? scene.table_lights : light_count();
     bool from_tree = HAS_LIGHT_TREE && u.x >= scene.table_probability;
     if (count == 0u && !from_tree) return false;
@@ -89,7 +89,7 @@ bool light_choose(Receiver r, vec2 u, out Light light) {
 }
 
 // A sample of one light, which u.xy chooses, then sampled by u.zw.
-LightSample light_sample(Receiver r, vec4 u) {
+LightSample light_sample(ReferencePoint r, vec4 u) {
     vec3 p = r.position;
     if (background_chosen(u.x)) return background_sample(p, u);
     Light light;
@@ -101,8 +101,8 @@ LightSample light_sample(Receiver r, vec4 u) {
     return s;
 }
 
-// Density over solid angle with which light_sample picks the emitting point that a ray from the receiver in this direction hit.
-float light_pdf(Receiver r, Ray ray, Hit hit, Interaction at, Surface surface) {
+// Density over solid angle with which light_sample picks the emitting point that a ray from the reference point in this direction hit.
+float light_pdf(ReferencePoint r, Ray ray, Hit hit, Interaction at, Surface surface) {
     if (HAS_LIGHT_TREE) surface.light_density *= light_tree_probability(r, surface.light_trail);
     vec3 p = r.position;
     Primitive primitive;
@@ -136,9 +136,9 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     return e;
 }
 
-// Density with which light_sample at the receiver would have picked the beginning of a light path that arrived there, over the
-// density of that beginning, for the cosine at the receiver: in squares of the scene's radius. `distance2` lies between them.
-float light_choice_ratio(EmittedRay e, Receiver r, float distance2) {
+// Density with which light_sample at the reference point would have picked the beginning of a light path that arrived there, over the
+// density of that beginning, for the cosine at the reference point: in squares of the scene's radius. `distance2` lies between them.
+float light_choice_ratio(EmittedRay e, ReferencePoint r, float distance2) {
     float unit = 1.0 / (scene.radius * scene.radius);
     if (HAS_BACKGROUND && e.light == NONE) return unit / e.pdf_a;
     Light light = load_light(e.light);

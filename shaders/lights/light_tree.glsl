@@ -1,9 +1,9 @@
-// Choosing one of many lights by what it can bring to a point: a descent through a tree of bounds on their places, directions
+// Choosing one of many lights by a bound on its irradiance at a point: a descent through a tree of bounds on their places, directions
 // and intensities (Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"). Which
 // nodes there are, and why their bounds are safe, says src/scene/light_tree.rs.
 
 // What receives light: a point, and the normal of the side that can.
-struct Receiver {
+struct ReferencePoint {
     vec3 position;
     vec3 normal; // unit, of the shading frame; zero where light may come from anywhere
     bool both;   // light from the other side counts as well
@@ -11,7 +11,7 @@ struct Receiver {
 
 // Bounds are packed and roundings differ: lights count as dark only beyond this much of a cosine.
 const float DARK = 2e-3;
-// The least factor for the cosine at the receiver: narrow lobes return more of grazing light than the cosine says.
+// The least factor for the cosine at the reference point: narrow lobes return more of grazing light than the cosine says.
 const float LEAST_COSINE = 0.05;
 
 LightNode load_light_node(uint index) {
@@ -30,9 +30,9 @@ float cosine_less(float cos_a, float sin_b) {
     return min(1.0, (cos_a < 0.0 ? cos_a * (1.0 - sin_b * sin_b) : cos_a) + sin_b);
 }
 
-// Bound on the irradiance that the lights of a node bring to the receiver, but for a factor that all nodes share
-// (Conty Estevez and Kulla 2018, equation 3, with cosine_less in place of exact angles); `p` is the receiver in the tree's coordinates.
-float light_importance(LightNode node, Receiver r, vec3 p) {
+// Bound on the irradiance of the lights of a node at the reference point, but for a factor that all nodes share
+// (Conty Estevez and Kulla 2018, equation 3, with cosine_less in place of exact angles); `p` is the reference point in the tree's coordinates.
+float light_importance(LightNode node, ReferencePoint r, vec3 p) {
     vec3 d = node.centre - p;
     float distance2 = max(max(dot(d, d), node.radius * node.radius), 1e-30);
     float inverse = inversesqrt(distance2);
@@ -56,17 +56,17 @@ float light_importance(LightNode node, Receiver r, vec3 p) {
     return dark ? 0.0 : node.intensity * inverse * inverse * max(shed, DARK) * max(received, LEAST_COSINE);
 }
 
-vec3 light_tree_position(Receiver r) { return (r.position - scene.light_tree_origin) * scene.light_tree_scale; }
+vec3 light_tree_position(ReferencePoint r) { return (r.position - scene.light_tree_origin) * scene.light_tree_scale; }
 
 // Share of the importance that the second of two nodes has; negative where neither has any.
-float second_share(LightNode a, LightNode b, Receiver r, vec3 p) {
+float second_share(LightNode a, LightNode b, ReferencePoint r, vec3 p) {
     float first = light_importance(a, r, p);
     float second = light_importance(b, r, p);
     return first + second > 0.0 ? second / (first + second) : -1.0;
 }
 
-// A light of the tree by u, and its probability; 0 where no light can shed anything on the receiver.
-uint light_tree_sample(Receiver r, vec2 u, out float probability) {
+// A light of the tree by u, and its probability; 0 where no light can shed anything on the reference point.
+uint light_tree_sample(ReferencePoint r, vec2 u, out float probability) {
     vec3 p = light_tree_position(r);
     probability = 1.0;
     uint link = load_light_node(0u).link;
@@ -85,7 +85,7 @@ uint light_tree_sample(Receiver r, vec2 u, out float probability) {
 }
 
 // The probability of choosing the light at the end of a trail.
-float light_tree_probability(Receiver r, uint trail) {
+float light_tree_probability(ReferencePoint r, uint trail) {
     vec3 p = light_tree_position(r);
     float probability = 1.0;
     uint link = load_light_node(0u).link;

@@ -38,7 +38,7 @@ LightSample sphere_light_middle(Light light, vec3 p, vec2 u) {
 }
 
 // A sample of one light as light_sample has it, but of its middle; the background has none.
-LightSample light_middle_sample(Receiver r, vec4 u) {
+LightSample light_middle_sample(ReferencePoint r, vec4 u) {
     vec3 p = r.position;
     if (background_chosen(u.x)) return background_sample(p, u);
     Light light;

@@ -27,7 +27,7 @@ LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {
         float distance = sqrt(distance2);
         float phi = 2.0 * PI * u.y;
         float sin_theta = sqrt(sin2);
-        vec3 wi = to_world(frame_from_normal(axis / distance), vec3(sin_theta * cos(phi), sin_theta * sin(phi), cos_theta));
+        vec3 wi = to_world(basis_from_normal(axis / distance), vec3(sin_theta * cos(phi), sin_theta * sin(phi), cos_theta));
         float along = distance * cos_theta - sqrt(max(0.0, radius2 - distance2 * sin2));
         outward = normalize(along * wi - axis);
         pdf_w = light.probability / (2.0 * PI * cone);

@@ -43,7 +43,7 @@ EmittedRay spot_light_emit(Light light, vec2 u) {
     float sine = sqrt(one_minus_cos * (2.0 - one_minus_cos));
     float phi = 2.0 * PI * u.y;
     e.origin = light.position;
-    e.direction = to_world(frame_from_normal(light.v1), vec3(sine * cos(phi), sine * sin(phi), 1.0 - one_minus_cos));
+    e.direction = to_world(basis_from_normal(light.v1), vec3(sine * cos(phi), sine * sin(phi), 1.0 - one_minus_cos));
     e.pdf_w = spot_pdf(light);
     e.power = spot_intensity(light, e.direction) / (e.pdf_w * light.emission_probability);
     e.delta = true;

@@ -45,7 +45,7 @@ Node load_node(uint index) {
 }
 
 // What traversal needs of a ray, in the space of the tree that it is in.
-struct Traveller {
+struct RayState {
     vec3 origin;
     vec3 direction;
     vec3 inverse;   // of the direction, its components kept away from zero
@@ -53,9 +53,9 @@ struct Traveller {
     Shear shear;
 };
 
-Traveller traveller(vec3 origin, vec3 direction) {
+RayState ray_state(vec3 origin, vec3 direction) {
     const float tiny = 1e-18;
-    Traveller r;
+    RayState r;
     r.origin = origin;
     r.direction = direction;
     bvec3 small = lessThan(abs(direction), vec3(tiny));
@@ -71,7 +71,7 @@ Traveller traveller(vec3 origin, vec3 direction) {
 const float CELL_MARGIN = 1.0 / 256.0;
 
 // Bit i of the top byte: the inner child in traversal order i is hit. The low 24 bits: the primitives of hit leaves.
-uint intersect_children(Node node, Traveller r, float t_max) {
+uint intersect_children(Node node, RayState r, float t_max) {
     vec3 cell = uintBitsToFloat(uvec3(node.exponents << 23u, node.exponents << 15u, node.exponents << 7u) & 0x7f800000u);
     vec3 scale = cell * r.inverse;
     vec3 start = (node.corner - r.origin) * r.inverse;
@@ -115,8 +115,8 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
     uint instance = 0u;
     nearest_instance = 0u;
     bool crossed = HAS_INSTANCES; // into the space of an instance, or out of it
-    Traveller r;
-    if (!HAS_INSTANCES) r = traveller(ray.origin, ray.direction);
+    RayState r;
+    if (!HAS_INSTANCES) r = ray_state(ray.origin, ray.direction);
     uvec2 nodes = uvec2(0u, 0x80000000u);
     uvec2 primitives = uvec2(0u);
     bool found = false;
@@ -130,7 +130,7 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
                 origin = object_point(placed, ray.origin);
                 direction = object_vector(placed, ray.direction);
             }
-            r = traveller(origin, direction);
+            r = ray_state(origin, direction);
         }
         if (primitives.y == 0u && nodes.y > 0x00ffffffu) {
             uint bit = uint(findMSB(nodes.y));

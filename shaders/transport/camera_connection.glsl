@@ -28,7 +28,7 @@ CameraConnection camera_connect_light(Path path, EmittedRay e, out float camera_
     LightView seen = light_view(e, path.random);
     if (!seen.visible) return c;
     camera_a = seen.camera.importance * seen.cosine / (seen.camera.distance2 * light_path_count());
-    c.contribution = e.shown * camera_a;
+    c.contribution = e.radiance_over_pdf * camera_a;
     c.position = seen.camera.position;
     c.u = seen.u;
     c.ray = seen.ray;

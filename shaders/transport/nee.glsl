@@ -47,7 +47,7 @@ NextEvent nee_connect(Path path, Vertex v, Bsdf b, LightSample light, inout Bsdf
 // A sample of the lights as the vertex sees them, connected; none where the BSDF is a delta alone, which no sample of them hits.
 NextEvent nee_sample(Path path, Vertex v, Bsdf b, vec4 u, inout BsdfSample s) {
     LightSample light = no_light();
-    if (!bsdf_is_delta(b)) light = light_sample(vertex_receiver(v, b), u);
+    if (!bsdf_is_delta(b)) light = light_sample(vertex_reference(v, b), u);
     return nee_connect(path, v, b, light, s);
 }
 

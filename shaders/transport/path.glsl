@@ -10,7 +10,7 @@ const uint ENDLESS = 4096u;
 // A subpath from the camera or from a light, on its way from one vertex to the next.
 struct Path {
     Ray ray;
-    Receiver from;    // the last vertex that scattered, where the ray left it
+    ReferencePoint from;    // the last vertex that scattered, where the ray left it
     Sampler random;
     vec3 throughput;  // product of f |cos| / pdf so far
     vec3 absorption;  // of the medium that the ray is in, 1/m
@@ -24,7 +24,7 @@ struct Path {
 
 // A path before its first segment.
 Path path_along(Ray ray, Sampler random, bool from_camera) {
-    Receiver from = Receiver(ray.origin, vec3(0.0), false);
+    ReferencePoint from = ReferencePoint(ray.origin, vec3(0.0), false);
     return Path(ray, from, random, vec3(1.0), vec3(0.0), 1.0, from_camera, from_camera, 0u, 1.0, Cone(0.0, 0.0));
 }
 
@@ -68,7 +68,7 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.eta *= s.eta;
     path.depth += 1u;
     path.ray = vertex_ray(v, vertex_to_world(v, s.wi));
-    path.from = vertex_receiver(v, b);
+    path.from = vertex_reference(v, b);
     path.from.position = path.ray.origin;
     if (HAS_ABSORPTION && (b.m.flags & MATERIAL_HAS_ABSORPTION) != 0u && s.wi.z * v.wo.z < 0.0)
         path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);

@@ -1,25 +1,25 @@
 // Shading frames that follow the texture coordinates: for anisotropic materials, and tilted by normal and bump maps.
 
-// A frame around the normal whose tangent follows `along` as far as it can.
-Frame frame_along(vec3 normal, vec3 along) {
+// A basis around the normal whose tangent follows `along` as far as it can.
+Basis basis_along(vec3 normal, vec3 along) {
     vec3 t = along - normal * dot(normal, along);
     float length2 = dot(t, t);
-    if (!(length2 > 0.0)) return frame_from_normal(normal);
+    if (!(length2 > 0.0)) return basis_from_normal(normal);
     t *= inversesqrt(length2);
-    return Frame(t, cross(normal, t), normal);
+    return Basis(t, cross(normal, t), normal);
 }
 
-Frame shading_frame(Interaction at, Material m, inout bool mapped) {
-    Frame frame = frame_along(at.shading_normal, at.dp_du);
-    if (!HAS_MATERIAL_TEXTURES || m.textures == NONE) return frame;
+Basis shading_basis(Interaction at, Material m, inout bool mapped) {
+    Basis basis = basis_along(at.shading_normal, at.dp_du);
+    if (!HAS_MATERIAL_TEXTURES || m.textures == NONE) return basis;
     MaterialTextures t = TextureSets(scene.material_textures).at[m.textures];
-    vec3 normal = frame.normal;
+    vec3 normal = basis.normal;
     if (HAS_NORMAL_MAPS && t.normal != NONE) {
         vec3 n = 2.0 * texture_at(t.normal, at.uv).xyz - 1.0;
         n.xy *= t.normal_scale;
-        Frame base = frame;
+        Basis base = basis;
         if (at.tangent.w != 0.0) {
-            base = frame_along(at.shading_normal, at.tangent.xyz);
+            base = basis_along(at.shading_normal, at.tangent.xyz);
             base.bitangent *= at.tangent.w < 0.0 ? -1.0 : 1.0;
         }
         normal = normalize(to_world(base, n));
@@ -27,12 +27,12 @@ Frame shading_frame(Interaction at, Material m, inout bool mapped) {
     if (HAS_BUMP_MAPS && t.bump != NONE) {
         // The surface displaced along its normal (Blinn 1978), without the term of the normal's own change.
         vec2 slope = texture_gradient(t.bump, at.uv) * t.bump_scale;
-        vec3 du = at.dp_du + frame.normal * (slope.x - dot(frame.normal, at.dp_du));
-        vec3 dv = at.dp_dv + frame.normal * (slope.y - dot(frame.normal, at.dp_dv));
+        vec3 du = at.dp_du + basis.normal * (slope.x - dot(basis.normal, at.dp_du));
+        vec3 dv = at.dp_dv + basis.normal * (slope.y - dot(basis.normal, at.dp_dv));
         vec3 n = cross(du, dv);
         float length2 = dot(n, n);
-        if (length2 > 0.0) normal = n * (inversesqrt(length2) * (dot(n, frame.normal) < 0.0 ? -1.0 : 1.0));
+        if (length2 > 0.0) normal = n * (inversesqrt(length2) * (dot(n, basis.normal) < 0.0 ? -1.0 : 1.0));
     }
     mapped = t.normal != NONE || t.bump != NONE;
-    return mapped ? frame_along(normal, at.dp_du) : frame;
+    return mapped ? basis_along(normal, at.dp_du) : basis;
 }

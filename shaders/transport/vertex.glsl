@@ -8,7 +8,7 @@ struct Vertex {
     Hit hit;
     Interaction at;
     Surface surface;
-    Frame frame;
+    Basis basis;
     vec3 wo;           // local, towards the previous vertex
     float turned;      // -1 where the frame is turned round to face a path that came to the back
     uint material;     // NONE reflects nothing
@@ -23,8 +23,8 @@ Vertex vertex_of(Ray ray, Hit hit, Interaction at) {
     v.hit = hit;
     v.at = at;
     v.surface = load_surface(v.at.surface);
-    v.frame = frame_from_normal(v.at.shading_normal);
-    v.wo = to_local(v.frame, -ray.direction);
+    v.basis = basis_from_normal(v.at.shading_normal);
+    v.wo = to_local(v.basis, -ray.direction);
     v.front = v.wo.z > 0.0;
     v.material = v.front || !HAS_BACK_MATERIALS ? v.surface.front : v.surface.back;
     v.turned = 1.0;
@@ -51,8 +51,8 @@ bool vertex_arrive(inout Ray ray, out Vertex v, inout Sampler random, inout uint
 Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
     Bsdf b = bsdf_at(v.material, v.at.uv, v.side, v.at.colour, random);
     if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
-        v.frame = shading_frame(v.at, b.m, v.mapped);
-        v.wo = to_local(v.frame, -ray.direction);
+        v.basis = shading_basis(v.at, b.m, v.mapped);
+        v.wo = to_local(v.basis, -ray.direction);
     }
     if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(b)) {
         v.wo.z = -v.wo.z;
@@ -61,10 +61,10 @@ Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
     return b;
 }
 
-vec3 vertex_to_world(Vertex v, vec3 w) { return to_world(v.frame, vec3(w.xy, w.z * v.turned)); }
+vec3 vertex_to_world(Vertex v, vec3 w) { return to_world(v.basis, vec3(w.xy, w.z * v.turned)); }
 
 vec3 vertex_to_local(Vertex v, vec3 w) {
-    vec3 local = to_local(v.frame, w);
+    vec3 local = to_local(v.basis, w);
     return vec3(local.xy, local.z * v.turned);
 }
 
@@ -102,14 +102,14 @@ Ray ray_between(vec3 origin, vec3 target) {
 float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv); }
 
 // The vertex as what lights shine on.
-Receiver vertex_receiver(Vertex v, Bsdf b) { return Receiver(v.at.position, v.turned * v.frame.normal, bsdf_transmits(b)); }
+ReferencePoint vertex_reference(Vertex v, Bsdf b) { return ReferencePoint(v.at.position, v.turned * v.basis.normal, bsdf_transmits(b)); }
 
 // The ray that leaves the vertex in the world direction w.
 Ray vertex_ray(Vertex v, vec3 w) {
     return Ray(offset_origin(v.at.position, v.at.margin, v.at.normal, w), w, INFINITY);
 }
 
-// The same up to a target that lies off its own surface, like the origin: what is left is the rounding of t.
+// The ray from the vertex up to a target that lies off its own surface, like the origin: what is left is the rounding of t.
 Ray vertex_ray_to(Vertex v, vec3 w, vec3 target) { return ray_between(vertex_ray(v, w).origin, target); }
 
 // Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.

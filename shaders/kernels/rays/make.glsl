@@ -32,7 +32,7 @@ void main() {
         if (found) {
             Vertex v = vertex_at(ray, hit);
             v.turned = v.front ? 1.0 : -1.0;
-            LightSample light = light_sample(Receiver(v.at.position, v.turned * v.frame.normal, false), light_u);
+            LightSample light = light_sample(ReferencePoint(v.at.position, v.turned * v.basis.normal, false), light_u);
             if (light.pdf_w > 0.0) shadow = shadow_ray(v.at, light);
             ray = vertex_ray(v, vertex_to_world(v, sample_cosine_hemisphere(bsdf_u.xy)));
         } else {

@@ -31,7 +31,7 @@ void put(uint place, float x) { Answers(frame.film).at[answer + place] = x; }
 uint light_place(uint vertex) { return HEAD + FROM_LIGHT * vertex; }
 uint camera_place(uint vertex) { return HEAD + FROM_LIGHT * MOST + FROM_CAMERA * vertex; }
 
-// A vertex from the light: where it is, the point of the camera that it is shown to, and the pixel.
+// A vertex from the light: where it is, the point of the camera that it is connected to, and the pixel.
 void put_light_vertex(uint vertex, vec3 position, bool delta, CameraView view, bool visible, vec4 u) {
     vec3 value = vec3(1.0);
     uint seen_by = visible ? splat_pixel(view.position, u.zw, value) : NONE;
@@ -95,7 +95,7 @@ uint follow_camera(Pixel pixel, inout Estimate e) {
         bool delta = bsdf_is_delta(b);
         if (!delta && path.depth + 1u < longest()) next4(path.random); // what chooses a connection
         put(camera_place(vertex) + 3u, delta ? 1.0 : 0.0);
-        put(camera_place(vertex) + 4u, delta ? vec3(0.0) : light_sample(vertex_receiver(v, b), light_u).target);
+        put(camera_place(vertex) + 4u, delta ? vec3(0.0) : light_sample(vertex_reference(v, b), light_u).target);
         path_scatter(path, v, b, vertex_sample(v, b, path.ray, bsdf_u.xyz));
         if (!path_survives(path, path.eta * path.eta, bsdf_u.w)) return vertex + 1u;
     }

@@ -10,8 +10,8 @@ layout(local_size_x = WORKGROUP) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LightQueries { LightQuery at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer LightAnswers { LightAnswer at[]; };
 
-// The emission that a ray from the receiver finds, and the density over solid angle with which light sampling goes there.
-vec4 emission_and_density(Receiver r, vec3 direction) {
+// The emission that a ray from the reference point finds, and the density over solid angle with which light sampling goes there.
+vec4 emission_and_density(ReferencePoint r, vec3 direction) {
     Ray ray = Ray(r.position, direction, INFINITY);
     Hit hit;
     if (!trace_closest(ray, hit)) return HAS_BACKGROUND ? vec4(background_radiance(direction), background_pdf(direction)) : vec4(0.0);
@@ -24,7 +24,7 @@ void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
     LightQuery q = LightQueries(frame.lengths).at[index];
-    Receiver r = Receiver(q.point, q.normal, false);
+    ReferencePoint r = ReferencePoint(q.point, q.normal, false);
     LightSample s = light_sample(r, q.u);
     Ray shadow = Ray(q.point, s.wi, INFINITY);
     if (!s.distant) shadow = ray_between(q.point, s.target);

@@ -82,7 +82,7 @@ Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, E
     float distance2 = 1.0;
     vec3 towards;
     if (end.light) {
-        light = light_sample(vertex_receiver(v, b), end.u);
+        light = light_sample(vertex_reference(v, b), end.u);
         towards = light.wi;
     } else {
         w = vertex_at(arrived, Hit(0.0, end.y.primitive, end.y.instance, end.y.uv));

@@ -101,7 +101,7 @@ void mis_arrive_from_light(inout SubpathMis m, Path path, EmittedRay e, Vertex v
     vec3 segment = v.at.position - path.from.position;
     float distance2 = dot(segment, segment);
     if (path.depth > 0u) mis_arrive(m, distance2, cosine);
-    else m = SubpathMis(heuristic(light_choice_ratio(e, vertex_receiver(v, b), distance2) / cosine), e.delta ? 0.0 : heuristic(e.d_vc / cosine));
+    else m = SubpathMis(heuristic(light_choice_ratio(e, vertex_reference(v, b), distance2) / cosine), e.delta ? 0.0 : heuristic(e.d_vc / cosine));
 }
 
 // The subpath goes on in a direction of density pdf_w from a vertex of that opacity (eqs. 34 and 35); `reverse_pdf_w` is the density of having

@@ -26,7 +26,7 @@
 //     float walk_ratio(walk, proposal, f)    acceptance ratio against the current path, but for target compression
 //     uint walk_kind(walk, proposal)         of path
 //     uint walk_known(walk)                  what the chain is to know of it
-//     uint walk_source(walk, proposal)       of a bootstrap sample: see candidate_source
+//     uint walk_source(walk, proposal)       of a bootstrap sample: see bootstrap_source
 //     void walk_keep(walk, proposal, chain)  makes it the chain's current path
 #if defined(PASS_PATHS)
 #include "techniques/metropolis/paths.glsl"
@@ -63,7 +63,7 @@ bool begin(inout Lane lane) {
     ChainTable table = chain_table();
     lane.chain = lane.place + table.chains_of_sample * (lane.sample_index % (table.chains / table.chains_of_sample));
     lane.mutation = lane.sample_index * table.mutations + lane.done + 1u;
-    if (makes_bootstrap()) lane.proposal = candidate_proposal(lane.place);
+    if (makes_bootstrap()) lane.proposal = bootstrap_proposal(lane.place);
     else lane.proposal = chain_propose(lane.chain, lane.mutation, uintBitsToFloat(PARAM1));
     estimate_clear(lane.e);
     return walk_begin(lane.proposal, makes_bootstrap() ? gl_GlobalInvocationID.x : lane.chain, lane.e, lane.walk);
@@ -76,10 +76,10 @@ void end(inout Lane lane) {
     Walk w = lane.walk;
     proposal_close(w.position, walk_share(w, p), lane.sample_index, lane.e);
     if (makes_bootstrap()) {
-        candidate_at(lane.place).candidate = Candidate(brings(lane.e.radiance), walk_source(w, p));
+        bootstrap_at(lane.place).candidate = Candidate(scalar_contribution(lane.e.radiance), walk_source(w, p));
     } else {
         p.kind = walk_kind(w, p);
-        float ratio = walk_ratio(w, p, brings(lane.e.radiance));
+        float ratio = walk_ratio(w, p, scalar_contribution(lane.e.radiance));
         Decision d = chain_decide(lane.chain, lane.mutation, p, w.position, walk_known(w), ratio, lane.sample_index, lane.e);
         if (d.accepted) walk_keep(w, p, lane.chain);
         if (d.mutated) lane.done += 1u;

@@ -2,8 +2,8 @@
 // strategy (s, t) of bidirectional path tracing, weighted among all that make such a path, for a path of a given length; the part from the
 // light first, then that from the camera, then their connection.
 //
-// What paths from the camera find by themselves, (0, t) and (1, t), is one kind for all lengths: one path finds all of it, as in `path`. Light
-// that only chance finds, by running into it, is found a hundred times as often as by a path for each length and strategy.
+// What paths from the camera find by themselves, (0, t) and (1, t), is one kind for all lengths: one path finds all of it, as in `path`. Emission
+// that only a path which runs into it finds is found a hundred times as often as by a path for each length and strategy.
 #define STRATEGIES_OF_MULTIPLEXED
 #include "techniques/metropolis/chains.glsl"
 #include "techniques/bidirectional/connect.glsl"

@@ -14,7 +14,7 @@ ChainTable chain_table() { return ChainTables(frame.chains).at[0]; }
 
 // Numbers of one proposal. Nothing is drawn from what a chain has accepted since.
 struct Sampler {
-    uint chain;     // or the candidate, where `mutation` is 0
+    uint chain;     // or the bootstrap sample, where `mutation` is 0
     uint mutation;
     uint dimension; // blocks of four numbers drawn so far
     uint known;     // blocks that the current path used: of the camera's in the lower half, of the light's in the upper one
@@ -38,7 +38,7 @@ bool block_place(uint chain, uint dimension, out Numbers place) {
 }
 
 // Four numbers perturbed, on a circle: each way as likely, distances with equal density of their logarithm. The highest bit says which
-// way: the lowest ones of consecutive mutations hang together (their correlation is up to -0.25), and a chain whose steps remember the
+// way: the lowest ones of consecutive mutations are correlated (by up to -0.25), and a chain whose steps remember the
 // last one goes elsewhere: lamps of the Cornell box came out 4 % too bright.
 vec4 perturbed(vec4 u, uvec4 bits) {
     vec4 step = LARGEST_STEP * exp(uniform4(bits << 1u) * -log(LARGEST_STEP / SMALLEST_STEP));
@@ -68,7 +68,7 @@ void keep_blocks(Sampler s, uint chain, uint first, uint count) {
     }
 }
 
-// The same of all that the path has used: of the camera's in the lower half of `used`, of the light's in the upper one.
+// Keeps the blocks that the path has used: of the camera's in the lower half of `used`, of the light's in the upper one.
 void keep_numbers(Sampler s, uint chain, uint used) {
     keep_blocks(s, chain, 0u, used & 0xffffu);
     keep_blocks(s, chain, LIGHT_DIMENSION, used >> 16u);

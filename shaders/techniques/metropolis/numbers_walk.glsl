@@ -4,5 +4,5 @@
 float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
 
 uint walk_kind(Walk w, Proposal p) { return p.kind; }
-uint walk_source(Walk w, Proposal p) { return candidate_source(p.kind, p.kind, 0.0); }
+uint walk_source(Walk w, Proposal p) { return bootstrap_source(p.kind, p.kind, 0.0); }
 void walk_keep(Walk w, Proposal p, uint chain) { keep_numbers(p.random, chain, walk_known(w)); }

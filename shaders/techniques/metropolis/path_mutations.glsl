@@ -51,7 +51,7 @@ float between(float least, float most, float u) { return least * exp(u * log(mos
 // A direction turned by a small angle; the way back is as likely.
 vec3 turned(vec3 direction, vec2 u) {
     float angle = between(SMALLEST_TURN, LARGEST_TURN, u.x);
-    return normalize(to_world(frame_from_normal(direction), vec3(sin(angle) * on_circle(u.y), cos(angle))));
+    return normalize(to_world(basis_from_normal(direction), vec3(sin(angle) * on_circle(u.y), cos(angle))));
 }
 
 // The direction in which the current path leaves vertex i.
@@ -107,10 +107,10 @@ void begin_light(inout Mutation m) {
     x.index = e.light;
     if (vertex_kind(x) == VERTEX_AREA) {
         x.detail = floatBitsToUint(e.normal);
-        x.own = floatBitsToUint(e.shown * e.pdf_a);
+        x.own = floatBitsToUint(e.radiance_over_pdf * e.pdf_a);
         x.pdf = e.pdf_a;
         x.leaving = distance(e.origin, e.position);
-        m.ended = e.shown == vec3(0.0);
+        m.ended = e.radiance_over_pdf == vec3(0.0);
     }
     if (m.at > m.from_camera + 1u && e.power == vec3(0.0)) m.ended = true;
     path_vertex(m.route.chain, m.route.slot, m.at).vertex = x;
@@ -190,7 +190,7 @@ void mutation_begin(inout Mutation m) {
             vec3 through = route_vertex(c, caustic - 1u).position;
             vec2 shift = scene.radius * between(SHORTEST_SHIFT, LONGEST_SHIFT, u.y) * on_circle(u.z);
             float back = 2.0 * scene.radius + dot(direction, through - scene.centre);
-            m.ray = Ray(through - back * direction + to_world(frame_from_normal(direction), vec3(shift, 0.0)), direction, INFINITY);
+            m.ray = Ray(through - back * direction + to_world(basis_from_normal(direction), vec3(shift, 0.0)), direction, INFINITY);
         } else {
             direction = turned(direction, u.yz);
             vec3 origin = x.position;
@@ -309,9 +309,9 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
     return !m.ended && m.at != m.from_camera + 1u;
 }
 
-// Begins a proposal for the chain, or a candidate in its room.
+// Begins a proposal for the chain, or a bootstrap sample in its room.
 void mutation_open(Proposal p, uint room, out Mutation m) {
-    bool begun = p.from.known != NONE && !p.candidate;
+    bool begun = p.from.known != NONE && !p.bootstrap;
     m.random = p.random;
     m.random.known = 0u;
     m.current = begun ? p.from.known : 1u;
@@ -335,7 +335,7 @@ bool mutation_join_camera(inout Mutation m) {
     return true;
 }
 
-// What the path brings over the density of being proposed by a mutation that keeps some of it, in all that varies between it and the one at the
+// Contribution of the path over the density of being proposed by a mutation that keeps some of it, in all that varies between it and the one at the
 // other end.
 float mutation_quotient(Mutation m, Route r, float value, uint last) {
     if (m.kind == FROM_CAMERA) return camera_quotient(r, value, last - 1u);
@@ -348,7 +348,7 @@ float mutation_quotient(Mutation m, Route r, float value, uint last) {
 struct Weighed {
     float share; // one over the density at which large steps make it, over that of making it from the camera
     float ran;   // the part of that density which is of running until a light is met
-    float ratio; // what speaks for it over what speaks for the current one
+    float ratio; // acceptance ratio f(y) T(y -> x) / (f(x) T(x -> y)), before target compression
 };
 
 // Follows the proposal to its next vertex; at its end, weighs it.
@@ -357,22 +357,22 @@ bool mutation_follow(inout Mutation m, Proposal p, inout Estimate e, inout Weigh
     w = Weighed(1.0, 0.0, 0.0);
     if (m.ended || !mutation_join_camera(m)) return false;
     vec3 value = path_value(m.route, e.rays);
-    float brought = brings(value);
-    if (!(brought > 0.0)) return false;
-    path_vertex(m.route.chain, m.route.slot, 0u).vertex.nearness = brought;
+    float f = scalar_contribution(value);
+    if (!(f > 0.0)) return false;
+    path_vertex(m.route.chain, m.route.slot, 0u).vertex.nearness = f;
     contribute(e, m.route.segments, value);
     vec2 density = large_density(m.route);
     w.share = 1.0 / density.y;
     w.ran = density.x / density.y;
     if (p.from.known == NONE) return false;
     if (m.kind == LARGE_STEP) {
-        w.ratio = brought * w.share / p.from.brings;
+        w.ratio = f * w.share / p.from.brings;
         return false;
     }
     Route current = m.route;
     current.slot = m.current;
     current.segments = m.from_segments;
-    w.ratio = mutation_quotient(m, m.route, brought, m.last) /
+    w.ratio = mutation_quotient(m, m.route, f, m.last) /
               mutation_quotient(m, current, route_vertex(current, 0u).nearness, m.last + m.from_segments - m.route.segments);
     return false;
 }

@@ -1,9 +1,9 @@
-// What a path brings, and the densities with which mutations would have made it. All are products over its vertices and segments, and
+// The contribution of a path, and the densities with which mutations would have made it. All are products over its vertices and segments, and
 // what two paths share cancels in the ratio that decides between them.
 //
 // With p_i the density of going on from vertex i away from the camera (`pdf`, over solid angle; 1 at delta lobes), A_i what takes it
 // to area at the next vertex (`arriving` times `nearness`), and F the throughput of the path from the camera times what is emitted, a
-// path brings F p_0 A_1 p_1 A_2 ... A_k per area at all its vertices.
+// path contributes F p_0 A_1 p_1 A_2 ... A_k per area at all its vertices.
 #include "techniques/metropolis/path_vertices.glsl"
 #include "transport/emission.glsl"
 #include "transport/light_subpath.glsl"
@@ -58,7 +58,7 @@ vec3 light_value(inout PathVertex x, PathVertex before, vec3 direction, float di
     return vertex_emission(v, ray);
 }
 
-// F, and the densities of all vertices; nothing where the path brings nothing.
+// F, and the densities of all vertices; nothing where the path contributes nothing.
 vec3 path_value(inout Route r, inout uint rays) {
     vec3 value = vec3(1.0);
     vec3 absorption = HAS_ABSORPTION ? scene.camera_absorption : vec3(0.0);
@@ -111,7 +111,7 @@ vec3 path_value(inout Route r, inout uint rays) {
             leaving_from = offset_origin(v.at.position, v.at.margin, v.at.normal, onwards);
         }
         if (HAS_ABSORPTION) value *= distant ? vec3(arrived == vec3(0.0) ? 1.0 : 0.0) : exp(-arrived * sqrt(length2));
-        if (!(brings(value) > 0.0)) return vec3(0.0);
+        if (!(scalar_contribution(value) > 0.0)) return vec3(0.0);
         // Segments that were kept have what they let through in them.
         if (i > r.kept_before && i <= r.kept_after) {
             float through = 1.0;
@@ -135,7 +135,7 @@ float density_from_camera(Route r, uint i) {
     return route_vertex(r, i - 1u).pdf * x.arriving * x.nearness;
 }
 
-// The same of a path from the light, from the one after.
+// Density per area with which a path from the light comes to vertex i from the one after.
 float density_from_light(Route r, uint i) {
     PathVertex x = route_vertex(r, i);
     if (i == r.segments) return x.pdf;
@@ -164,7 +164,7 @@ float ways(Route r, uint first, uint last) {
 }
 
 // Bidirectional mutations (Veach 1997, section 11.4.1) replace what lies between two vertices by as many new ones as they have drawn; each
-// number of them from the camera is as likely. What a path brings over the density of being proposed, in what varies between two paths of
+// number of them from the camera is as likely. The contribution over the density of being proposed, in what varies between two paths of
 // which one is made from the other: F, what the segment to the vertex that is kept has (that is made by no density), and the sum above.
 float bidirectional_quotient(Route r, float value, uint first, uint last) {
     float quotient = value * float(last - first) / ways(r, first, last);
@@ -173,7 +173,7 @@ float bidirectional_quotient(Route r, float value, uint first, uint last) {
 }
 
 // Large steps are of kinds: one for each number of segments, bidirectional, and one that follows a path from the camera until it meets a
-// light, however long that is. Light that only such paths meet by chance is met by each of them instead of by one for each length and number of
+// light, however long that is. Emission that next-event estimation cannot sample is met by each of them instead of by one for each length and number of
 // vertices from the light. From the vertex RUN_SURE on they go on with probability RUN_ON, which lets densities depend on nothing else.
 const uint RUN_SURE = 4u;
 const float RUN_ON = 0.75;

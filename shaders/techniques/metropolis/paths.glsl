@@ -21,6 +21,6 @@ bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
 uint walk_kind(Walk w, Proposal p) { return w.mutation.route.segments - 1u; }
 float walk_share(Walk w, Proposal p) { return w.weighed.share; }
 float walk_ratio(Walk w, Proposal p, float proposed) { return w.weighed.ratio; }
-uint walk_source(Walk w, Proposal p) { return candidate_source(walk_kind(w, p), p.kind, w.weighed.ran); }
+uint walk_source(Walk w, Proposal p) { return bootstrap_source(walk_kind(w, p), p.kind, w.weighed.ran); }
 uint walk_known(Walk w) { return w.mutation.route.slot; }
 void walk_keep(Walk w, Proposal p, uint chain) {} // its vertices are in place

@@ -2,7 +2,7 @@
 // lights that no direction hits by chance stay unseen.
 //
 // form=unbiased adds emission at every vertex and ends paths by Russian roulette with the constant probability q.
-// form=biased ends at the first light or at a fixed length: it misses what lights reflect and what longer paths bring.
+// form=biased ends at the first light or at a fixed length: it misses what lights reflect and longer paths.
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"

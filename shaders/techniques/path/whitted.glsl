@@ -67,8 +67,8 @@ void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
         vec4 u = next4(path.random);
         LightSample light = no_light();
-        if (POINT_LIGHTS) light = light_middle_sample(vertex_receiver(v, b), u);
-        else light = light_sample(vertex_receiver(v, b), u);
+        if (POINT_LIGHTS) light = light_middle_sample(vertex_reference(v, b), u);
+        else light = light_sample(vertex_reference(v, b), u);
         BsdfSample none = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
         NextEvent n = nee_connect(path, v, b, light, none);
         contribute(e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, 1.0 / float(shadow_rays()), e.rays));

@@ -13,7 +13,7 @@ struct Gathered {
 
 // Irradiance from a sample of the lights. Where emission is found by rays alone, there are no other lights.
 vec3 gather_light(Interaction at, vec3 normal, vec4 u, inout uint rays) {
-    LightSample light = light_sample(Receiver(at.position, normal, false), u);
+    LightSample light = light_sample(ReferencePoint(at.position, normal, false), u);
     float cosine = dot(normal, light.wi);
     if (cosine <= 0.0 || light.weight == vec3(0.0)) return vec3(0.0);
     float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, INV_PI * cosine);
@@ -28,10 +28,10 @@ Gathered gather(PatchTable t, Interaction at, vec3 normal, vec2 u, vec4 light_u,
     if (t.found == 0u) g.direct = gather_light(at, normal, light_u, rays);
 
     vec3 local = sample_cosine_hemisphere(u);
-    vec3 w = to_world(frame_from_normal(normal), local);
+    vec3 w = to_world(basis_from_normal(normal), local);
     float pdf_w = INV_PI * local.z;
     ray = Ray(offset_origin(at.position, at.margin, at.normal, w), w, INFINITY);
-    Receiver from = Receiver(ray.origin, normal, false);
+    ReferencePoint from = ReferencePoint(ray.origin, normal, false);
     Vertex v;
     Ray moved = ray; // behind masks that let it pass
     if (!vertex_arrive(moved, v, random, rays)) {

@@ -28,7 +28,7 @@ void patch_albedo(PatchTable t, uint index) {
         vec2 c = patch_coordinates(p, triangle, u.xy);
         Hit hit = face_hit(f, primitive, c);
         vec3 normal = vertex_at(face_ray(f, primitive, c, vec3(0.0, 0.0, 1.0)), hit).at.shading_normal;
-        vec3 wo = to_world(frame_from_normal(p.back != 0u ? -normal : normal), sample_cosine_hemisphere(u.zw));
+        vec3 wo = to_world(basis_from_normal(p.back != 0u ? -normal : normal), sample_cosine_hemisphere(u.zw));
         Ray ray = face_ray(f, primitive, c, -wo);
         Vertex v = vertex_at(ray, hit);
         if (v.material == NONE) continue;
@@ -41,7 +41,7 @@ void patch_albedo(PatchTable t, uint index) {
 #endif
 
 #ifdef PASS_GATHER
-// Adds what one ray brings to the layers that this round writes.
+// Adds the irradiance that one ray gathers to the layers that this round writes.
 void patch_receive(PatchTable t, uint index, Gathered g, float share) {
     uint from = round_index() & 1u, to = from ^ 1u;
     vec3 albedo = g.from == NONE ? vec3(0.0) : Values(t.albedo).at[g.from];

@@ -5,10 +5,10 @@
 //
 // The pass `gather` is one round of it: stochastic Jacobi iteration (Neumann and Bekaert 1995; Bekaert 1999, section 6.3). No form
 // factor is kept: rays with the density cos / pi meet patch j with the probability F_ij. The mean over rounds is the solution, once
-// the rounds that prepare have brought the light of each length on its way. Lengths keep their layers: light of k segments to a patch
+// the rounds that prepare have sent the light of each length on its way. Lengths keep their layers: light of k segments to a patch
 // is in layer k - 1, and each round takes every layer on by one.
 //
-// The passes `shoot` and `collect` do the same the other way round: rays bring power from the lights, and from patches in proportion to
+// The passes `shoot` and `collect` do the same the other way round: rays carry power from the lights, and from patches in proportion to
 // what they send out, to where they meet (Shirley 1990; Bekaert 1999, section 6.4).
 //
 // The pass `vertices` takes the values to the corners of the patches, the pass `pixels` shows them. Biased: the value is constant on a
@@ -41,14 +41,14 @@ const float NEAR = 2.0;
 bool gather_finally(PatchTable t, Vertex v, vec3 carried, inout Path path, inout Estimate e) {
     vec4 light_u = next4(path.random);
     vec4 u = next4(path.random);
-    vec3 normal = v.turned * v.frame.normal;
+    vec3 normal = v.turned * v.basis.normal;
     Ray ray;
     Gathered g = gather(t, v.at, normal, u.xy, light_u, path.random, ray, e.rays);
     contribute(e, path.depth + 2u, carried * g.direct);
     if (g.from == NONE || path.depth + 3u > MAX_DEPTH) return false;
     if (g.distance < NEAR * sqrt(Patches(t.patches).at[g.from].area)) {
         path.ray = ray;
-        path.from = Receiver(ray.origin, normal, false);
+        path.from = ReferencePoint(ray.origin, normal, false);
         path.throughput = PI * carried;
         path.depth += 1u;
         return path_survives(path, 1.0, u.z);

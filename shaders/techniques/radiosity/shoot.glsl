@@ -91,7 +91,7 @@ void shoot_patch(PatchTable t, uint index, inout uint rays) {
         vec4 u = next4_spread(random);
         vec2 c = patch_coordinates(p, triangle, u.xy);
         Interaction at = interaction_at(face_ray(f, primitive, c, vec3(0.0, 0.0, 1.0)), face_hit(f, primitive, c));
-        vec3 w = to_world(frame_from_normal(p.back != 0u ? -at.normal : at.normal), sample_cosine_hemisphere(u.zw));
+        vec3 w = to_world(basis_from_normal(p.back != 0u ? -at.normal : at.normal), sample_cosine_hemisphere(u.zw));
         uint met;
         float share;
         uint there = patch_met(t, Ray(offset_origin(at.position, at.margin, at.normal, w), w, INFINITY), random, met, share, rays);
