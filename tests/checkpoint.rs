@@ -9,7 +9,7 @@ use lumbre::checkpoint::{Checkpoints, Header, Identity};
 use lumbre::gpu::Gpu;
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
-use lumbre::render::{Renderer, Settings, State};
+use lumbre::render::{Renderer, Settings};
 use lumbre::scene::{Filter, LoadOptions, Scene};
 use lumbre::spirv::Arithmetic;
 use lumbre::techniques::{Sampler, Strategies, TECHNIQUES};
@@ -35,7 +35,7 @@ fn handed_over(gpu: &Gpu, scene: &Scene, settings: &Settings, seconds: Option<f6
     let begun = || {
         let mut renderer = Renderer::new(gpu, scene, settings).unwrap();
         if let Some(seconds) = seconds {
-            renderer.expect(seconds);
+            renderer.set_time_budget(seconds);
         }
         renderer
     };
@@ -54,9 +54,9 @@ fn handed_over(gpu: &Gpu, scene: &Scene, settings: &Settings, seconds: Option<f6
     loop {
         let more = own.advance(SPP).unwrap();
         let mut bytes = Vec::new();
-        own.transfer(&mut State::saving(path, &mut bytes)).unwrap();
+        own.save(path, &mut bytes).unwrap();
         let mut left = bytes.as_slice();
-        other.transfer(&mut State::restoring(path, &mut left)).unwrap();
+        other.restore(path, &mut left).unwrap();
         assert!(left.is_empty(), "{what}: all of it is read");
         std::mem::swap(&mut own, &mut other);
         handed += 1;
@@ -142,8 +142,8 @@ fn dropped_samples_are_kept() {
             own.advance(2).unwrap();
         }
         let mut bytes = Vec::new();
-        own.transfer(&mut State::saving(path, &mut bytes)).unwrap();
-        other.transfer(&mut State::restoring(path, &mut bytes.as_slice())).unwrap();
+        own.save(path, &mut bytes).unwrap();
+        other.restore(path, &mut bytes.as_slice()).unwrap();
         while own.advance(2).unwrap() {}
         while other.advance(2).unwrap() {}
         let (own, other) = (own.film().unwrap(), other.film().unwrap());

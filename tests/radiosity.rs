@@ -11,9 +11,10 @@ use lumbre::gpu::Gpu;
 use lumbre::image::metrics::compare;
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
-use lumbre::render::{PatchReport, Prediction, Renderer, Settings, Technique};
+use lumbre::render::{Prediction, Renderer, Settings, Technique};
 use lumbre::scene::light::Lamp;
 use lumbre::scene::{Camera, Mesh, Scene, SceneBuilder, SurfaceDescription, material};
+use lumbre::techniques::{PatchReport, Radiosity};
 
 fn film(gpu: &Gpu, scene: &Scene, technique: &str, size: u32, seed: u32, spp: u32) -> Film {
     let settings = Settings { width: size, height: size, seed, ..settings(scene, technique, Backend::Bvh) };
@@ -31,7 +32,7 @@ fn report(gpu: &Gpu, scene: &Scene, technique: &str, spp: u32) -> PatchReport {
     let settings = Settings { width: 8, height: 8, ..settings(scene, technique, Backend::Bvh) };
     let mut renderer = Renderer::new(gpu, scene, &settings).unwrap();
     while renderer.advance(spp).unwrap() {}
-    renderer.patches().unwrap().unwrap()
+    renderer.state::<Radiosity>().unwrap().figures().unwrap()
 }
 
 fn looking_at_the_middle(mut builder: SceneBuilder) -> Scene {
@@ -348,7 +349,7 @@ fn repeats_are_equal_to_the_bit() {
                 }
                 let again = renderer.film().unwrap();
                 assert_eq!(whole.sums, again.sums, "radiosity{technique} on {}", backend.name());
-                let patches = renderer.patches().unwrap().unwrap();
+                let patches = renderer.state::<Radiosity>().unwrap().figures().unwrap();
                 assert!(patches.rounds > 8 && patches.residual <= 1e-6, "{patches:?}");
             }
         }
@@ -366,7 +367,7 @@ fn adaptive_patches_are_fewer() {
             let settings = Settings { width: 64, height: 64, ..settings(&scene, &technique, Backend::Bvh) };
             let mut renderer = Renderer::new(gpu, &scene, &settings).unwrap();
             while renderer.advance(64).unwrap() {}
-            let patches = renderer.patches().unwrap().unwrap().patches;
+            let patches = renderer.state::<Radiosity>().unwrap().figures().unwrap().patches;
             let error = compare(&renderer.film().unwrap().mean(), &truth).unwrap().relmse;
             println!("adaptive={adaptive}: {patches} patches, relMSE {error:.5}");
             (patches, error)

@@ -9,7 +9,7 @@ use crate::common::alone::alone;
 use crate::common::{backends, canon, settings, with_gpu};
 use lumbre::error::Error;
 use lumbre::layout::backend::Backend;
-use lumbre::render::{Renderer, Settings, State};
+use lumbre::render::{Renderer, Settings};
 use lumbre::techniques::{Kept, SAMPLERS, Sampler, Strategies, TECHNIQUES};
 
 /// Seconds of a soak where nobody says.
@@ -75,7 +75,7 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
         if row.kept == Kept::Chains { SAMPLERS[0].sampler } else { random.of(&[SAMPLERS[0].sampler, Sampler::Sobol]) };
     match random.below(4) {
         0 => any.lengths = 1 + random.below(5) as u32,
-        1 if row.kept == Kept::Paths => {
+        1 if row.tells_strategies => {
             any.strategies = Some(Strategies::of(4, scene.camera(None).unwrap()));
             any.max_depth = Some(4);
         }
@@ -162,10 +162,10 @@ fn one(
         }
     }
     if random.below(3) == 0 {
-        renderer.transfer(&mut State::saving(Path::new("state"), &mut bytes))?;
+        renderer.save(Path::new("state"), &mut bytes)?;
         drop(renderer);
         renderer = Renderer::new(gpu, scene, settings)?;
-        renderer.transfer(&mut State::restoring(Path::new("state"), &mut bytes.as_slice()))?;
+        renderer.restore(Path::new("state"), &mut bytes.as_slice())?;
     }
     while renderer.advance(spp)? {}
     let film = renderer.film()?;

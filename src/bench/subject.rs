@@ -99,7 +99,7 @@ impl Subject for Lumbre {
 
     fn advance(&mut self, stop: Stop) -> Result<Snapshot> {
         if let Some(seconds) = stop.seconds {
-            self.renderer.expect(seconds);
+            self.renderer.set_time_budget(seconds);
         }
         let late = |renderer: &Renderer| {
             renderer.has_image() && stop.seconds.is_some_and(|limit| renderer.seconds().render >= limit)

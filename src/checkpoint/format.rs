@@ -8,12 +8,12 @@ use serde::{Deserialize, Serialize};
 
 use super::identity::Identity;
 use crate::error::{Error, Result};
-use crate::render::{Renderer, State};
+use crate::render::Renderer;
 
 /// What each begins with.
 const MAGIC: &[u8; 8] = b"lumbreCP";
 /// Counts up whenever what follows is laid out differently.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// The most bytes of a header: what is longer is none.
 const MOST_HEADER: u32 = 1 << 20;
 /// Bytes of the checksum at the end: CRC-32 (IEEE 802.3) of all before it.
@@ -64,7 +64,7 @@ pub(super) fn write(path: &Path, header: &Header, renderer: &mut Renderer) -> Re
     to.write_all(&VERSION.to_le_bytes()).map_err(failed)?;
     to.write_all(&(text.len() as u32).to_le_bytes()).map_err(failed)?;
     to.write_all(&text).map_err(failed)?;
-    renderer.transfer(&mut State::saving(path, &mut to))?;
+    renderer.save(path, &mut to)?;
     let sum = to.sum.clone().finalize();
     to.write_all(&sum.to_le_bytes()).map_err(failed)?;
     to.flush().map_err(failed)?;
@@ -122,7 +122,7 @@ pub(super) fn restore(path: &Path, renderer: &mut Renderer) -> Result<()> {
     from.read_exact(&mut prefix).map_err(failed)?;
     let header = u32::from_le_bytes([prefix[12], prefix[13], prefix[14], prefix[15]]);
     from.seek_relative(i64::from(header)).map_err(failed)?;
-    renderer.transfer(&mut State::restoring(path, &mut from))?;
+    renderer.restore(path, &mut from)?;
     let mut rest = Vec::new();
     from.take(CHECKSUM + 1).read_to_end(&mut rest).map_err(failed)?;
     if rest.len() as u64 == CHECKSUM { Ok(()) } else { Err(Error::read(path, "it holds more than this rendering has")) }

@@ -21,7 +21,7 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{Kept, LONGEST, Missing, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{LONGEST, Missing, SAMPLERS, Sampler, Strategies};
 
 use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
 use keep::Keeper;
@@ -296,7 +296,7 @@ fn iterate(
         *target = target.at(next);
     }
     if let Some(seconds) = job.time {
-        renderer.expect(seconds);
+        renderer.set_time_budget(seconds);
     }
     while job.time.is_none_or(|limit| seconds < limit || !renderer.has_image()) {
         renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
@@ -359,7 +359,7 @@ fn settle(
     if let Some(q) = &args.rr_q {
         technique.set("q", q)?;
     }
-    if args.error.is_some() && technique.row.kept == Kept::Chains {
+    if args.error.is_some() && technique.row.correlated {
         return Err(Error::Usage(format!(
             "--error with {}: its samples hang together, so their variance does not tell the error; valid are -n and -t",
             technique.row.name
@@ -389,7 +389,7 @@ fn settle(
     };
     if let Some(most) = args.strategies {
         let longest = settings.max_depth.map_or(most, |depth| depth.min(most));
-        let shortened = settings.max_depth != Some(longest) && settings.technique.row.kept == Kept::Paths;
+        let shortened = settings.max_depth != Some(longest) && settings.technique.row.tells_strategies;
         if shortened && !args.quiet {
             eprintln!("note: paths end after {longest} segments, for --strategies to show all of them");
         }

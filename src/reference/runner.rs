@@ -5,8 +5,9 @@ use super::series::Series;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::image::Image;
-use crate::render::{MergeSchedule, Renderer, Settings};
+use crate::render::{Renderer, Settings};
 use crate::scene::Scene;
+use crate::techniques::MergeSchedule;
 
 /// Seconds of one rendering, at most where a sample is not longer: so often progress is heard of, and can be kept.
 const LONGEST: f64 = 4.0;

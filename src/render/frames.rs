@@ -2,14 +2,9 @@
 
 use std::time::Duration;
 
-use super::state::State;
 use crate::error::Result;
 use crate::layout::WORKGROUP;
-
-/// What one submission should take.
-pub(super) const FRAME: Duration = Duration::from_millis(100);
-/// Pixel samples of the first frame, before anything is known of the speed.
-pub(super) const FIRST: u64 = 1 << 14;
+use crate::techniques::{FrameLimits, Pace, StateStream, slots};
 
 /// One dispatch: a run of slots (pixels in tiles of 8 x 8) and a run of samples for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,19 +29,6 @@ impl Frame {
     }
 }
 
-/// What bounds frames besides time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
-    /// Slots of a dispatch.
-    pub slots: u32,
-    /// Samples of each slot.
-    pub samples: u32,
-    /// Pixel samples of a frame.
-    pub paths: u64,
-    /// Samples count only once all slots have them.
-    pub whole_passes: bool,
-}
-
 /// How far a rendering is, and how large its next frame is. A pass gives all slots the same number of samples; a slow
 /// device takes several frames over one pass, a fast one several samples per pass. Where a pass has stages, all slots go
 /// through one before any begins the next: in frames of its own, or, where one frame has all slots, in that.
@@ -56,45 +38,36 @@ pub(super) struct FramePlan {
     height: u32,
     slots: u32,
     stages: u32,
-    room: Room,
+    /// The most slots of a dispatch.
+    most_slots: u32,
+    limits: FrameLimits,
     /// Samples that all slots have.
     done: u32,
     /// Stage of the current pass, slots that are through it already, and the samples of that pass.
     stage: u32,
     cursor: u32,
     pass: u32,
-    /// Pixel samples of a stage that fit into a frame, by the last one's speed.
-    capacity: u64,
+    /// Pixel samples of a stage that fit into a frame.
+    pace: Pace,
     /// The most of them that a frame may have, whatever the speed.
     bound: u64,
 }
 
-/// Slots of an image: its pixels in whole tiles.
-pub(super) fn slots(width: u32, height: u32) -> u64 {
-    u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 64
-}
-
-/// Work of the next frame where the last one took so long for what it had. Speed differs across an image: it is followed, but not in one
-/// leap.
-pub(super) fn adapted(capacity: u64, work: u64, took: Duration) -> u64 {
-    let fit = work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6);
-    (fit as u64).clamp(capacity / 4, capacity.saturating_mul(4)).max(u64::from(WORKGROUP))
-}
-
 impl FramePlan {
-    pub fn new(width: u32, height: u32, stages: u32, room: Room) -> Self {
-        let slots = slots(width, height) as u32; // checked before anything is allocated
+    /// For an image of this size, in frames of up to `most_slots`.
+    pub fn new(width: u32, height: u32, stages: u32, most_slots: u32, limits: FrameLimits) -> Self {
         Self {
             width,
             height,
-            slots,
+            slots: slots(width, height) as u32, // checked before anything is allocated
             stages,
-            room,
+            most_slots,
+            limits,
             done: 0,
             stage: 0,
             cursor: 0,
             pass: 0,
-            capacity: FIRST,
+            pace: Pace::new(),
             bound: u64::MAX,
         }
     }
@@ -120,19 +93,20 @@ impl FramePlan {
         if begins && self.done >= target {
             return None;
         }
-        let capacity = self.capacity.min(self.bound).min(self.room.paths);
+        let capacity = self.pace.fits().min(self.bound).min(self.limits.pixel_samples);
         let through_all = capacity / u64::from(self.stages);
         let samples = if begins {
             let fit = (through_all / u64::from(self.slots)).max(1);
-            u32::try_from(fit).unwrap_or(u32::MAX).min(self.room.samples).min(target - self.done)
+            u32::try_from(fit).unwrap_or(u32::MAX).min(self.limits.samples).min(target - self.done)
         } else {
             self.pass
         };
         // Whole workgroups; as many as there is room for, and one at least.
         let wanted = (capacity / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
-        let fit = wanted.min(self.room.paths / u64::from(samples) / u64::from(WORKGROUP) * u64::from(WORKGROUP));
+        let fit =
+            wanted.min(self.limits.pixel_samples / u64::from(samples) / u64::from(WORKGROUP) * u64::from(WORKGROUP));
         let slots =
-            u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.room.slots).min(self.slots - self.cursor);
+            u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, self.most_slots).min(self.slots - self.cursor);
         let fits = slots == self.slots && u64::from(slots) * u64::from(samples) <= through_all;
         let (first_stage, stages) = if begins && fits { (0, self.stages) } else { (self.stage, 1) };
         Some(Frame { first_slot: self.cursor, slots, first_sample: self.done, samples, first_stage, stages })
@@ -141,7 +115,7 @@ impl FramePlan {
     /// Takes note of a frame that has been run.
     pub fn done(&mut self, frame: Frame, took: Duration) {
         let work = u64::from(frame.slots) * u64::from(frame.samples) * u64::from(frame.stages);
-        self.capacity = adapted(self.capacity, work, took);
+        self.pace.took(work, took);
         self.pass = frame.samples;
         self.cursor += frame.slots;
         if self.cursor >= self.slots {
@@ -160,14 +134,15 @@ impl FramePlan {
     }
 
     /// How far it is; not what it knows of the speed, which is that of another process.
-    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
-        state.numbers([&mut self.done, &mut self.stage, &mut self.cursor, &mut self.pass])?;
+    pub fn exchange(&mut self, stream: &mut StateStream) -> Result<()> {
+        stream.numbers([&mut self.done, &mut self.stage, &mut self.cursor, &mut self.pass])?;
         let is_whole = self.is_between_passes() || self.pass > 0;
-        state.check(is_whole && self.stage < self.stages && self.cursor < self.slots, "a place among the frames")
+        stream.check(is_whole && self.stage < self.stages && self.cursor < self.slots, "a place among the frames")
     }
 
-    pub fn room(&self) -> Room {
-        self.room
+    /// The most slots of a dispatch.
+    pub fn most_slots(&self) -> u32 {
+        self.most_slots
     }
 
     /// Whether this frame ends its stages: all slots are through them then.
@@ -187,7 +162,7 @@ impl FramePlan {
     /// Samples of each pixel, row by row.
     pub fn counts(&self) -> Vec<u64> {
         let tiles_across = self.width.div_ceil(8);
-        if self.room.whole_passes {
+        if self.limits.whole_passes {
             return vec![u64::from(self.done); self.width as usize * self.height as usize];
         }
         let count = |x: u32, y: u32| {
@@ -203,13 +178,13 @@ impl FramePlan {
 mod tests {
     use super::*;
 
-    const FREE: Room = Room { slots: 1 << 22, samples: u32::MAX, paths: u64::MAX, whole_passes: false };
+    const FREE: u32 = 1 << 22;
 
     /// Whatever the speed, every slot gets every sample exactly once and in order.
     #[test]
     fn every_sample_is_taken_once() {
         for microseconds in [1, 900, 130_000, 7_000_000] {
-            let mut plan = FramePlan::new(37, 21, 1, FREE);
+            let mut plan = FramePlan::new(37, 21, 1, FREE, FrameLimits::NONE);
             let slots = plan.slots as usize;
             let mut next_sample = vec![0; slots];
             while let Some(frame) = plan.next(50) {
@@ -226,9 +201,9 @@ mod tests {
 
     /// No frame has more than there is room for, and what is not whole does not count.
     #[test]
-    fn frames_keep_to_their_room() {
-        let room = Room { slots: 256, samples: 3, paths: 640, whole_passes: true };
-        let mut plan = FramePlan::new(24, 24, 1, room);
+    fn frames_keep_to_their_limits() {
+        let limits = FrameLimits { samples: 3, pixel_samples: 640, whole_passes: true };
+        let mut plan = FramePlan::new(24, 24, 1, 256, limits);
         let (mut passes, mut taken) = (0, 0);
         while let Some(frame) = plan.next(7) {
             assert!(frame.slots <= 256 && frame.samples <= 3 && frame.slots * frame.samples <= 640, "{frame:?}");
@@ -245,7 +220,7 @@ mod tests {
     #[test]
     fn stages_follow_each_other() {
         for microseconds in [1, 900, 130_000, 7_000_000] {
-            let mut plan = FramePlan::new(37, 21, 3, FREE);
+            let mut plan = FramePlan::new(37, 21, 3, FREE, FrameLimits::NONE);
             let slots = plan.slots as usize;
             let mut reached = vec![(0, 0); slots];
             while let Some(frame) = plan.next(20) {
@@ -273,8 +248,8 @@ mod tests {
 
     #[test]
     fn counts_tell_an_unfinished_pass() {
-        let mut plan = FramePlan::new(16, 8, 1, FREE);
-        plan.capacity = 64;
+        let mut plan = FramePlan::new(16, 8, 1, FREE, FrameLimits::NONE);
+        plan.pace = Pace::of(64);
         let frame = plan.next(1).unwrap();
         assert_eq!((frame.slots, frame.samples), (64, 1));
         plan.done(frame, Duration::from_millis(100));

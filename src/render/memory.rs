@@ -2,10 +2,6 @@
 
 use serde::Serialize;
 
-use super::chains::ChainSize;
-use super::frames::slots;
-use super::radiosity;
-use super::scratch::ScratchSize;
 use super::upload::most_in_part;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
@@ -15,9 +11,8 @@ use crate::layout::{
     self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
     UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,
 };
-use crate::scene::patches::Quartered;
 use crate::scene::{Filter, Scene};
-use crate::techniques::{Kept, Settings};
+use crate::techniques::Settings;
 
 /// Bytes of one pixel of one layer by path length: two sums of three floats.
 pub(super) const LAYER_PIXEL_BYTES: u64 = 2 * VEC3_BYTES as u64;
@@ -66,12 +61,8 @@ impl Prediction {
     pub fn of(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Self> {
         let mut table = Table::default();
         table.film(settings);
-        if settings.technique.row.kept == Kept::Patches {
-            // Where patches are quartered as need be, it is the most that they can be.
-            let mesh = radiosity::mesh(scene, settings, &Quartered::All)?;
-            for (name, bytes) in radiosity::sizes(&mesh, scene, settings) {
-                table.add(name, bytes, radiosity::threshold(settings) == 0.0);
-            }
+        for part in settings.technique.row.state().bytes(scene, settings)? {
+            table.add(part.name, part.bytes, part.exact);
         }
         Self::with_scene(table, scene, settings, gpu)
     }
@@ -136,7 +127,7 @@ pub(super) fn check(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()>
         Ok(Prediction::of(scene, settings, Some(gpu))?.refusal(gpu))
     };
     let Some(why) = refusal(settings)? else {
-        return if u32::try_from(slots(settings.width, settings.height)).is_ok() {
+        return if u32::try_from(settings.slots()).is_ok() {
             Ok(())
         } else {
             Err(Error::Device(format!(
@@ -251,19 +242,11 @@ impl Table {
     }
 
     fn film(&mut self, settings: &Settings) {
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let pixels = settings.pixels();
         self.add("film", pixels * size_of::<FilmPixel>() as u64, true);
         // A buffer of nothing takes four bytes.
         self.add("film by path length", (pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES).max(4), true);
         self.add("tally", TALLY_BYTES, true);
-        let scratch = ScratchSize::of(settings);
-        self.add("splats", scratch.splat_bytes.max(4), true);
-        self.add("light paths", scratch.light_path_bytes.max(4), true);
-        self.add("grid cells", scratch.cell_bytes.max(4), true);
-        self.add("grid places", scratch.place_bytes.max(4), true);
-        for (name, bytes) in ChainSize::of(settings).bytes() {
-            self.add(name, bytes, true);
-        }
     }
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {

@@ -4,50 +4,39 @@
 //! submission of about a tenth of a second, so that drivers' watchdogs never fire, progress is smooth, and an interrupt
 //! is answered at once.
 
-mod chains;
 pub mod film;
 mod frames;
 mod kernel;
 mod memory;
-mod merge_radius;
-mod patch_frames;
-mod patch_report;
 mod probe;
-mod radiosity;
-mod scratch;
 mod spent;
-mod state;
 mod target;
 mod upload;
 mod watch;
 
-use std::collections::HashSet;
+use std::any::Any;
+use std::io::{Read, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-pub use crate::techniques::{Settings, Technique};
 pub use memory::{Part, Prediction};
-pub use patch_report::PatchReport;
 pub use probe::Probe;
 pub use spent::{Spent, spent};
 
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{BAD_SAMPLES, Chain, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
+use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
-use crate::scene::patches::Quartered;
-use crate::techniques::{self, Kept, Over, Pass};
-use chains::Chains;
+use crate::techniques::{
+    Context, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, nothing, stages,
+};
+pub use crate::techniques::{Settings, Technique};
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 pub use kernel::{Constants, KernelSize, kernel_sizes, modules_of};
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
-use merge_radius::MergeRadius;
-pub use merge_radius::MergeSchedule;
-use radiosity::Radiosity;
-use scratch::Scratch;
-pub use state::State;
 pub use target::ErrorTarget;
 pub use upload::Uploaded;
 use watch::while_compiling;
@@ -87,11 +76,8 @@ pub struct Renderer {
     passes: Vec<(Pass, Kernel)>,
     /// The stage of each.
     stages: Vec<u32>,
-    merge_radius: MergeRadius,
-    scratch: Scratch,
-    /// Where the technique has some.
-    chains: Option<Chains>,
-    radiosity: Option<Radiosity>,
+    /// What the technique keeps on the device.
+    state: Box<dyn TechniqueState>,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -116,7 +102,6 @@ impl Renderer {
     }
 
     fn build(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
-        let row = settings.technique.row;
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
         let started = Instant::now();
         let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
@@ -125,16 +110,11 @@ impl Renderer {
         let names = kernel::module_names(settings);
         let kernels = while_compiling(watch, || Kernel::several(gpu, scene, settings, &names, &uploaded))?;
         let passes: Vec<_> = taking_part.iter().map(|pass| **pass).zip(kernels).collect();
-        let scratch = Scratch::new(gpu, settings)?;
-        let stages = techniques::stages(taking_part.into_iter());
-        let radiosity = match row.kept {
-            Kept::Patches => {
-                let quartered = Quartered::These(HashSet::new());
-                Some(Radiosity::new(gpu, scene, &passes[0].1.scene, settings, &quartered)?)
-            }
-            _ => None,
-        };
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let stages = stages(taking_part.into_iter());
+        let context =
+            Context { gpu, scene, settings, order: uploaded.order(), instance_order: uploaded.instance_order() };
+        let state = settings.technique.row.state().make(&context)?;
+        let pixels = settings.pixels();
         let mut renderer = Self {
             gpu: gpu.clone(),
             settings: settings.clone(),
@@ -149,15 +129,13 @@ impl Renderer {
                 settings.width,
                 settings.height,
                 stages.last().map_or(1, |last| last + 1),
-                scratch.size.room(gpu.limits().max_workgroups),
+                gpu.limits().max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
+                state.limits(),
             ),
             stages,
-            merge_radius: MergeRadius::of(&settings.technique, scene, scratch.size.light_paths),
             seconds: Seconds { build, ..Seconds::default() },
             passes,
-            scratch,
-            chains: Chains::new(gpu, settings)?,
-            radiosity,
+            state,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
@@ -165,18 +143,14 @@ impl Renderer {
         while_compiling(watch, || renderer.dispatch(Frame::NOTHING, true))?;
         renderer.seconds.compile = started.elapsed().as_secs_f64();
         spent::compiled(renderer.seconds.compile);
-        renderer.quarter_patches(scene, watch)?;
+        renderer.finish_trials(&context, watch)?;
         Ok(renderer)
     }
 
     /// Runs one frame towards `target` samples per pixel; returns false once they are all taken.
     pub fn advance(&mut self, target: u32) -> Result<bool> {
         let Some(frame) = self.plan.next(target) else { return Ok(false) };
-        if let Some((first, count)) = self.chains.as_ref().and_then(Chains::missing) {
-            self.make_candidates(first, count)?;
-            return Ok(true);
-        }
-        if self.pass_light_on(frame.first_sample)? {
+        if self.run_job(frame.first_sample)? {
             return Ok(true);
         }
         let started = Instant::now();
@@ -191,10 +165,8 @@ impl Renderer {
 
     /// Tells how many seconds of rendering there will be, where time is what ends it: what goes before the first sample takes the more
     /// time the more there is, and no more than a quarter of it.
-    pub fn expect(&mut self, seconds: f64) {
-        if let Some(chains) = &mut self.chains {
-            chains.limit(Duration::try_from_secs_f64(seconds * START_SHARE).unwrap_or(Duration::MAX));
-        }
+    pub fn set_time_budget(&mut self, seconds: f64) {
+        self.state.set_time_budget(Duration::try_from_secs_f64(seconds * START_SHARE).unwrap_or(Duration::MAX));
     }
 
     /// Forgets all samples and begins again with another seed; kernels and scene stay.
@@ -202,11 +174,7 @@ impl Renderer {
         self.settings.seed = seed;
         self.film.clear()?;
         self.layers.clear()?;
-        self.scratch.splats.clear()?;
-        self.chains.as_mut().map_or(Ok(()), |chains| chains.restart(seed))?;
-        if let Some(radiosity) = &mut self.radiosity {
-            radiosity.restart()?;
-        }
+        self.state.restart(seed)?;
         self.plan = self.plan.restarted();
         (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         (self.rays, self.nonfinite) = (0, 0);
@@ -216,7 +184,7 @@ impl Renderer {
 
     /// Says where the samples stand among those of several renderings, for techniques whose blur shrinks with them.
     pub fn set_merge_schedule(&mut self, schedule: MergeSchedule) {
-        self.merge_radius.schedule = schedule;
+        self.state.set_merge_schedule(schedule);
     }
 
     /// Bounds the pixel samples of each stage of a frame, whatever the device's speed would allow: frames are cut where it says, and
@@ -225,39 +193,44 @@ impl Renderer {
         self.plan.bound(most);
     }
 
-    /// Writes down, or takes up again, all that samples to come and the film depend on: what goes on from there has the bits of what
-    /// was never interrupted. It may be under way in any frame. A renderer that failed to take up a state is of no further use.
-    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
-        self.plan.transfer(state)?;
-        state.buffer(&self.film)?;
-        state.buffer(&self.layers)?;
-        // Between passes it holds nothing: splats are zero, and light paths are made anew.
-        if !self.plan.is_between_passes() {
-            self.scratch.transfer(state)?;
-        } else if state.restores() {
-            self.scratch.splats.clear()?;
-        }
-        if let Some(chains) = &mut self.chains {
-            chains.transfer(state)?;
-        }
-        if let Some(radiosity) = &mut self.radiosity {
-            radiosity.transfer(state)?;
-        }
-        state.long(&mut self.rays)?;
-        state.long(&mut self.nonfinite)?;
-        let mut count = self.bad_samples.len() as u32;
-        state.numbers([&mut count])?;
-        state.check(count <= BAD_SAMPLES, "a number of bad samples")?;
-        self.bad_samples.resize(count as usize, BadSample { x: 0, y: 0, sample: 0 });
-        for bad in &mut self.bad_samples {
-            state.numbers([&mut bad.x, &mut bad.y, &mut bad.sample])?;
-        }
-        state.reals([&mut self.seconds.render, &mut self.seconds.device])
+    /// Saves all that samples to come and the film depend on to `to`, which messages call `file`. It may be under way in any frame.
+    pub fn save(&mut self, file: &Path, to: &mut dyn Write) -> Result<()> {
+        self.exchange(&mut StateStream::saving(file, to))
     }
 
-    /// What the patches came to, where there are any.
-    pub fn patches(&self) -> Result<Option<PatchReport>> {
-        self.radiosity.as_ref().map(Radiosity::report).transpose()
+    /// Restores what [`Renderer::save`] wrote: what goes on from there has the bits of what was never interrupted. A renderer that failed
+    /// to restore a state is of no further use.
+    pub fn restore(&mut self, file: &Path, from: &mut dyn Read) -> Result<()> {
+        self.exchange(&mut StateStream::restoring(file, from))
+    }
+
+    fn exchange(&mut self, stream: &mut StateStream) -> Result<()> {
+        self.plan.exchange(stream)?;
+        stream.buffer(&self.film)?;
+        stream.buffer(&self.layers)?;
+        self.state.exchange(stream, !self.plan.is_between_passes())?;
+        stream.long(&mut self.rays)?;
+        stream.long(&mut self.nonfinite)?;
+        let mut count = self.bad_samples.len() as u32;
+        stream.numbers([&mut count])?;
+        stream.check(count <= BAD_SAMPLES, "a number of bad samples")?;
+        self.bad_samples.resize(count as usize, BadSample { x: 0, y: 0, sample: 0 });
+        for bad in &mut self.bad_samples {
+            stream.numbers([&mut bad.x, &mut bad.y, &mut bad.sample])?;
+        }
+        stream.reals([&mut self.seconds.render, &mut self.seconds.device])
+    }
+
+    /// What the technique has to say of the rendering besides the image.
+    pub fn report(&self) -> Result<Option<StateReport>> {
+        self.state.report()
+    }
+
+    /// The technique's state, which must be of this type.
+    pub fn state<T: TechniqueState>(&self) -> Result<&T> {
+        let state: &dyn Any = self.state.as_ref();
+        let name = self.settings.technique.row.name;
+        state.downcast_ref().ok_or_else(|| Error::Usage(format!("{name} keeps no {}", std::any::type_name::<T>())))
     }
 
     /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:
@@ -280,9 +253,10 @@ impl Renderer {
         self.spp() > 0
     }
 
-    /// How much there is of what goes before the first sample, 0 to 1, where that is something to wait for: candidates of chains.
+    /// How much there is of what goes before the first sample, 0 to 1, where that is something to wait for: bootstrap samples of
+    /// chains.
     pub fn start(&self) -> f64 {
-        self.chains.as_ref().map_or(1.0, Chains::progress)
+        self.state.start()
     }
 
     /// Samples that the average pixel has, the unfinished pass included.
@@ -310,21 +284,6 @@ impl Renderer {
         &self.passes[0].1.scene
     }
 
-    /// Where the Markov chains are, where the technique has some.
-    pub fn chains(&self) -> Result<Vec<Chain>> {
-        self.chains.as_ref().map_or(Ok(Vec::new()), Chains::states)
-    }
-
-    /// The bound of their target, in the unit of [`Chain::brings`]; infinite before there are any, 0 where the technique has none.
-    pub fn chain_bound(&self) -> f64 {
-        self.chains.as_ref().map_or(0.0, Chains::bound)
-    }
-
-    /// The probability that a large step of these is of each kind.
-    pub fn kind_shares(&self) -> Vec<f64> {
-        self.chains.as_ref().map_or(Vec::new(), Chains::shares)
-    }
-
     /// What it renders with.
     pub fn settings(&self) -> &Settings {
         &self.settings
@@ -345,9 +304,9 @@ impl Renderer {
                 film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
             }
         }
-        if let Some(chains) = &self.chains {
-            film.brightness = chains.brightness()?;
-            film.scale(chains.correction(film.brightness));
+        if let Some(scale) = self.state.film_scale()? {
+            film.brightness = Some(scale.brightness);
+            film.scale(scale.factor);
         }
         film.nonfinite = self.nonfinite;
         film.bad_samples.clone_from(&self.bad_samples);
@@ -356,19 +315,10 @@ impl Renderer {
 
     /// What all passes of a frame are given.
     fn constants(&self, frame: Frame) -> FrameConstants {
-        FrameConstants {
+        let mut constants = FrameConstants {
             film: address(self.film.address()),
             lengths: address(self.layers.address()),
             tally: address(self.tally.address()),
-            splats: address(self.scratch.splats.address()),
-            light_paths: address(self.scratch.light_paths.address()),
-            light_vertices: self.scratch.size.vertices,
-            light_path_count: self.scratch.size.light_paths,
-            grid_cells: address(self.scratch.grid_cells.address()),
-            grid_places: address(self.scratch.grid_places.address()),
-            grid_cell_count: self.scratch.size.cells,
-            merge_radius: self.merge_radius.at(frame.first_sample),
-            chains: address(self.chains.as_ref().map_or(0, Chains::address)),
             first_slot: frame.first_slot,
             slot_count: frame.slots,
             first_sample: frame.first_sample,
@@ -376,9 +326,10 @@ impl Renderer {
             width: self.settings.width,
             height: self.settings.height,
             seed: self.settings.seed,
-            patches: self.radiosity.as_ref().map_or([0; 2], |radiosity| address(radiosity.address())),
-            round: self.radiosity.as_ref().map_or(0, Radiosity::shown_round),
-        }
+            ..FrameConstants::default()
+        };
+        self.state.describe(frame.first_sample, &mut constants);
+        constants
     }
 
     /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
@@ -389,43 +340,61 @@ impl Renderer {
             format!("{slots} pixels from slot {first_slot}, samples {first_sample} to {}", first_sample + samples);
         // A frame of nothing makes CPU devices compile.
         let whole = |count: u32| (0, if samples > 0 { count } else { 0 });
-        let (all, size) = (frames::slots(self.settings.width, self.settings.height) as u32, self.scratch.size);
+        let all = self.settings.slots() as u32;
         let mut runs = Vec::new();
-        for (index, ((Pass { over, .. }, _), stage)) in self.passes.iter().zip(&self.stages).enumerate() {
-            if !frame.has_stage(*stage) || !(ends_stages || *over == Over::Pixels) {
+        for (index, ((pass, _), stage)) in self.passes.iter().zip(&self.stages).enumerate() {
+            if !frame.has_stage(*stage) || !(ends_stages || pass.over == Over::Pixels) {
                 continue;
             }
-            let (first, count) = match over {
+            let (first, count) = match pass.over {
                 Over::Pixels => (first_slot, slots),
                 Over::Image => whole(all),
-                Over::LightVertices => whole(size.places()),
-                Over::Cells => whole(size.cells),
-                Over::Patches | Over::PatchVertices if samples > 0 => continue, // they have frames of their own
-                Over::Patches | Over::PatchVertices => (0, 0),
+                Over::Elements => whole(self.state.elements(pass)),
+                Over::Jobs if samples > 0 => continue, // they have submissions of their own
+                Over::Jobs => (0, 0),
             };
             runs.push(Run { pass: index, first, count });
         }
         self.submit(&work, self.constants(frame), &runs)
     }
 
-    /// Makes candidates for chains to begin with.
-    fn make_candidates(&mut self, first: u32, count: u32) -> Result<()> {
+    /// Runs one job of the technique's state, if the sample of that index needs any before it.
+    fn run_job(&mut self, sample: u32) -> Result<bool> {
+        let Some(job) = self.state.next_job(sample, self.plan.bound_of_frames()) else { return Ok(false) };
+        let Some(pass) = self.passes.iter().position(|(pass, _)| *pass == job.pass) else { return Ok(false) };
         let started = Instant::now();
-        let runs = [Run { pass: 0, first, count }];
-        let work = format!("{count} candidates from {first}");
-        let device = self.submit(&work, self.constants(Frame::NOTHING), &runs)?;
-        let took = started.elapsed();
-        self.chains.as_mut().map_or(Ok(()), |chains| chains.made(count, took))?;
-        spent::rendered(started.elapsed().as_secs_f64(), 0);
-        self.seconds.render += started.elapsed().as_secs_f64();
+        let constants = FrameConstants { sample_count: job.samples, round: job.word, ..self.constants(Frame::NOTHING) };
+        let device = self.submit(&job.about, constants, &[Run { pass, first: job.first, count: job.count }])?;
+        let wall = started.elapsed();
+        self.state.job_done(&job, wall)?;
+        spent::rendered(wall.as_secs_f64(), 0);
+        self.seconds.render += wall.as_secs_f64();
         self.seconds.device += device.as_secs_f64();
+        Ok(true)
+    }
+
+    /// Runs trials for as long as the state is one: what they took counts as building.
+    fn finish_trials(&mut self, context: &Context, watch: Watch) -> Result<()> {
+        let Some(doing) = self.state.trial() else { return Ok(()) };
+        let started = Instant::now();
+        watch(Building { doing, share: Some(0.0) });
+        while self.state.trial().is_some() {
+            while self.run_job(0)? {}
+            let Some(make) = self.state.after_trial()? else { break };
+            self.state = nothing(); // before there are two
+            self.state = make(context)?;
+        }
+        (self.rays, self.nonfinite) = (0, 0);
+        self.bad_samples.clear();
+        self.seconds.build += started.elapsed().as_secs_f64();
+        (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         Ok(())
     }
 
     /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted.
     fn submit(&mut self, work: &str, constants: FrameConstants, runs: &[Run]) -> Result<Duration> {
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
-        let (passes, tally, room) = (&self.passes, &self.tally, self.plan.room().slots);
+        let (passes, tally, room) = (&self.passes, &self.tally, self.plan.most_slots());
         let took = self.gpu.run(&name, work, |commands| {
             commands.clear(tally);
             for Run { pass, first, count } in runs {

@@ -76,8 +76,8 @@ impl Probe {
         self.dispatch(self.constants(from, to, count), count)
     }
 
-    /// One thread per element of `input`, on the chains of a rendering under way with the same scene and settings.
-    pub fn run_on_chains<I: Pod, O: Pod>(&self, renderer: &Renderer, input: &[I]) -> Result<Vec<O>> {
+    /// Runs one thread per element of `input`, on the technique's state of a rendering under way with the same scene and settings.
+    pub fn run_on_state<I: Pod, O: Pod>(&self, renderer: &Renderer, input: &[I]) -> Result<Vec<O>> {
         let FrameConstants { chains, light_path_count, .. } = renderer.constants(Frame::NOTHING);
         self.run_with(input, |constants| FrameConstants { chains, light_path_count, ..constants })
     }

@@ -11,7 +11,6 @@ mod fingerprint;
 pub mod load;
 mod medium;
 pub mod needs;
-pub mod patches;
 
 use std::collections::HashMap;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 
 use super::bidirectional::{LONGEST, Strategies};
 use super::sampler::{SAMPLERS, Sampler};
-use super::table::{Kept, TECHNIQUES};
+use super::table::TECHNIQUES;
 use super::technique::Technique;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
@@ -11,6 +11,11 @@ use crate::layout::backend::Backend;
 use crate::scene::camera::ImagePlane;
 use crate::scene::{Filter, Needs, Scene};
 use crate::spirv::Arithmetic;
+
+/// Slots of an image: its pixels in whole tiles of 8 x 8.
+pub(crate) fn slots(width: u32, height: u32) -> u64 {
+    u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 64
+}
 
 /// What to render with.
 #[derive(Clone, Debug)]
@@ -81,6 +86,16 @@ impl Settings {
         self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)
     }
 
+    /// Pixels of the image.
+    pub(crate) fn pixels(&self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Slots of the image: its pixels in whole tiles of 8 x 8.
+    pub(crate) fn slots(&self) -> u64 {
+        slots(self.width, self.height)
+    }
+
     /// What the kernel models.
     pub(crate) fn needs(&self, scene: &Scene) -> Needs {
         if self.specialise { Needs::of(scene) } else { Needs::everything(scene) }
@@ -102,8 +117,8 @@ impl Settings {
             ));
         }
         let row = self.technique.row;
-        if row.splats && !gpu.limits().int64_atomics {
-            let others = TECHNIQUES.iter().filter(|row| !row.splats).map(|row| row.name);
+        if row.splats() && !gpu.limits().int64_atomics {
+            let others = TECHNIQUES.iter().filter(|row| !row.splats()).map(|row| row.name);
             return bad(format!(
                 "{} needs the feature shaderBufferInt64Atomics, which {} lacks; valid there are {}",
                 row.name,
@@ -111,15 +126,9 @@ impl Settings {
                 one_of(others)
             ));
         }
-        if self.technique.value("solver") == Some("shoot") && !gpu.limits().int64_atomics {
-            return bad(format!(
-                "radiosity:solver=shoot needs the feature shaderBufferInt64Atomics, which {} lacks; solver=gather does without",
-                gpu.survey().name
-            ));
-        }
         if let Some(strategies) = self.strategies {
-            let combining = TECHNIQUES.iter().filter(|row| row.kept == Kept::Paths).map(|row| row.name);
-            if row.kept != Kept::Paths {
+            let combining = TECHNIQUES.iter().filter(|row| row.tells_strategies).map(|row| row.name);
+            if !row.tells_strategies {
                 return bad(format!("--strategies with {}: valid is it with {}", row.name, one_of(combining)));
             }
             let longest = strategies.longest;
@@ -139,15 +148,9 @@ impl Settings {
                 ));
             }
         }
-        if row.kept == Kept::Chains && self.sampler != SAMPLERS[0].sampler {
-            return bad(format!(
-                "random numbers of {} are its chains' own: valid is --sampler {}",
-                row.name, SAMPLERS[0].name
-            ));
-        }
         if self.lengths > 64 {
             return bad(format!("{} layers by path length: 64 is the most", self.lengths));
         }
-        Ok(())
+        row.state().check(gpu, self)
     }
 }

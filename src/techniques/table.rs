@@ -117,29 +117,28 @@ pub enum Over {
     Pixels,
     /// All pixels, once they have all had their run of samples.
     Image,
-    /// All places for vertices of light paths, likewise ([`Kept::Grid`]).
-    LightVertices,
-    /// All cells of the grid, likewise.
-    Cells,
-    /// The patches of the scene ([`Kept::Patches`]), between samples of the image and in frames of their own.
-    Patches,
-    /// Their vertices, likewise.
-    PatchVertices,
+    /// All elements of something that the technique keeps, likewise; its state says how many there are.
+    Elements,
+    /// What a job goes over that the technique's state asks for, between samples of the image and in submissions of its own.
+    Jobs,
 }
 
-/// What is kept of paths from the lights.
+/// What a technique keeps on the device from one dispatch to the next, each in its family's folder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
     /// Nothing.
     Nothing,
-    /// The vertices of each path, for the path from the camera of the same pixel and sample.
-    Paths,
-    /// Vertices of all paths of one sample, for all its paths from the camera to find in a grid: bytes of one, and how many of a
-    /// path.
-    Grid(u32, u32),
-    /// Markov chains, each with its current path. Frames of no samples make the paths that they may begin with.
+    /// Splats: `light/mod.rs`.
+    Splats,
+    /// The light subpath of each camera subpath, and splats: `bidirectional/connecting.rs`.
+    LightSubpaths,
+    /// All light subpaths of a sample in a grid, and splats: `bidirectional/merging.rs`.
+    MergedSubpaths,
+    /// The photons of a sample in a grid: `photon/mod.rs`.
+    Photons,
+    /// Markov chains, each with its current path, and splats: `metropolis/chains.rs`.
     Chains,
-    /// No paths, but what patches of the scene's surfaces have received.
+    /// What patches of the scene's surfaces have received: `radiosity/state.rs`.
     Patches,
 }
 
@@ -196,10 +195,12 @@ pub struct TechniqueRow {
     pub bias: Bias,
     /// Segments after which Russian roulette may end a path, unless the scene or the command line says.
     pub rr_depth: u32,
-    /// Whether its samples reach pixels as splats: then its last pass is `resolve`.
-    pub splats: bool,
-    /// What it keeps of paths from the lights.
+    /// What it keeps on the device.
     pub kept: Kept,
+    /// Whether its samples are correlated, so that their variance does not tell the error.
+    pub correlated: bool,
+    /// Whether its film can tell strategies (s, t) apart.
+    pub tells_strategies: bool,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
     /// What it finds only by chance in scenes that have it.
@@ -225,6 +226,16 @@ impl Pass {
 }
 
 impl TechniqueRow {
+    /// Whether its samples reach pixels as splats.
+    pub fn splats(&self) -> bool {
+        self.passes.contains(&RESOLVE)
+    }
+
+    /// Whether it merges camera subpaths with the vertices of light subpaths nearby.
+    pub fn merges(&self) -> bool {
+        self.passes.contains(&merging::GRID_FILL)
+    }
+
     /// The name of the module of one pass for a backend: `vcm.grid-clear.bvh`.
     pub fn module(&self, pass: &Pass, backend: &str) -> String {
         format!("{}.{}.{backend}", self.name, pass.name)
@@ -266,7 +277,7 @@ pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {
     let mut stage = 0;
     let mut before = Over::Pixels;
     let next = |pass: &Pass| {
-        if matches!(pass.over, Over::Patches | Over::PatchVertices) {
+        if pass.over == Over::Jobs {
             return stage; // not in the frames of the image
         }
         stage += u32::from(pass.over == Over::Pixels && before != Over::Pixels);

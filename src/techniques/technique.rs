@@ -62,6 +62,11 @@ impl Technique {
             .map(|(_, value)| value.as_str())
     }
 
+    /// The value of a parameter that is a number.
+    pub(crate) fn number(&self, name: &str) -> Option<f64> {
+        self.value(name).and_then(|text| text.parse().ok())
+    }
+
     /// The passes that take part, in order.
     pub(crate) fn passes(&self) -> impl Iterator<Item = &'static Pass> {
         self.row.passes.iter().filter(|pass| pass.with.is_none_or(|(name, value)| self.value(name) == Some(value)))

@@ -9,6 +9,7 @@ use super::defined_paths::{Defined, FLATTEST, LAMP_AREA, Link, PINHOLE, room};
 use super::figure::{Figure, Worst};
 use crate::error::Result;
 use crate::render::{Probe, Renderer, Settings};
+use crate::techniques::Chains;
 
 /// Vertices of the longest path that is looked at.
 const MOST: usize = 9;
@@ -97,12 +98,12 @@ pub(super) fn balance(run: &mut Run) -> Result<()> {
     let settings = Settings { max_depth: Some(MOST as u32 - 1), ..run.settings(&scene, technique)? };
     let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
     while renderer.advance(2)? {}
-    let shares = renderer.kind_shares();
+    let shares = renderer.state::<Chains>()?.shares().to_vec();
     let probe = Probe::new(run.gpu, &scene, &settings, "test/mutations")?;
     let mut worst: [Worst; 4] = Default::default();
     let mut counts = [0; 4];
     for round in 0..run.pick(8, 2) {
-        let answers: Vec<Answer> = probe.run_on_chains(&renderer, &vec![1_000_000 + round; 4096])?;
+        let answers: Vec<Answer> = probe.run_on_state(&renderer, &vec![1_000_000 + round; 4096])?;
         for (chain, answer) in answers.iter().enumerate().filter(|(_, answer)| answer.ratio > 0.0) {
             let (expected, flattest) = defined(answer, &shares);
             if flattest < FLATTEST {

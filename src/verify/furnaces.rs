@@ -48,7 +48,7 @@ pub(super) fn furnace(run: &mut Run) -> Result<()> {
         for row in run.unbiased() {
             let settings = Settings { lengths: LAYERS, ..run.settings(&scene, row.name)? };
             // Paths from the lights come to a pixel by chance, and need them all for the layers.
-            let spp = if row.splats { run.pick(768, 256) } else { run.samples(512, 256) };
+            let spp = if row.splats() { run.pick(768, 256) } else { run.samples(512, 256) };
             let film = run.render(&scene, &settings, spp)?;
             let most = if row.solves < Solves::Everything { 2 } else { u32::MAX };
             for (channel, albedo) in ALBEDO.into_iter().enumerate() {

@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
     pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
         let short = |row: &TechniqueRow| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
-        let camera = |row: &TechniqueRow| !(row.splats || row.kept != Kept::Nothing);
+        let camera = |row: &TechniqueRow| row.kept == Kept::Nothing;
         let full = |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
         let fits = |row: &&TechniqueRow| if self.is_short() { short(row) } else { full(row) };
         TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
@@ -164,7 +164,7 @@ impl<'a> Run<'a> {
     /// radius, `vcm` also by merges alone. One backend is enough.
     pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
         let asked = self.is_long() && self.backend == Backend::Bvh;
-        let rows = TECHNIQUES.iter().filter(|row| asked && (row.name == "light" || matches!(row.kept, Kept::Grid(..))));
+        let rows = TECHNIQUES.iter().filter(|row| asked && (row.name == "light" || row.merges()));
         let merges = asked.then_some("vcm:form=bpm");
         rows.map(|row| row.name).chain(merges).filter(|name| finds_all(name, scene)).collect()
     }

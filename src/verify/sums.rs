@@ -48,7 +48,7 @@ pub(super) fn layers(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
     // Layers of what paths from the lights bring need no second backend.
     let all = run.pick(TECHNIQUES.len(), 4);
-    let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || !(row.splats || row.kept != Kept::Nothing);
+    let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || row.kept == Kept::Nothing;
     for row in TECHNIQUES.iter().take(all).filter(here).collect::<Vec<_>>() {
         let settings = run.settings(&scene, row.name)?;
         let layered = run.render(&scene, &Settings { lengths: 5, ..settings.clone() }, 16)?;

@@ -10,6 +10,7 @@ use super::sampling::chi_square_z;
 use crate::error::Result;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Scene, SceneBuilder};
+use crate::techniques::Chains;
 
 /// Lamps along each side of the mosaic, and pixels of the image.
 const LAMPS: usize = 8;
@@ -46,8 +47,9 @@ pub(super) fn chains(run: &mut Run) -> Result<()> {
         let mut renderer = Renderer::new(run.gpu, &scene, &settings)?;
         for mutations in [1, run.pick(128, 64)] {
             while renderer.advance(mutations)? {}
-            let chains = renderer.chains()?;
-            let bound = renderer.chain_bound();
+            let state = renderer.state::<Chains>()?;
+            let chains = state.states()?;
+            let bound = state.bound();
             // What stands for the chains at each lamp, and its square.
             let mut sums = vec![[0.0; 2]; LAMPS * LAMPS];
             let place = |x: f32| ((f64::from(x) / f64::from(SIZE) * LAMPS as f64) as usize).min(LAMPS - 1);

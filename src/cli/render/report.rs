@@ -1,5 +1,6 @@
 //! What a rendering came to: the JSON object, the EXR header, the summary.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -9,7 +10,7 @@ use lumbre::error::Result;
 use lumbre::gpu::Gpu;
 use lumbre::image::{Image, NamedLayer, Picture};
 use lumbre::render::film::{BadSample, ErrorEstimate, Film};
-use lumbre::render::{KernelSize, PatchReport, Renderer, Technique};
+use lumbre::render::{KernelSize, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
 
 use super::super::print;
@@ -46,9 +47,12 @@ pub(super) struct Report {
     estimate_doubt: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     brightness: Option<Brightness>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    patches: Option<PatchReport>,
+    /// What the technique has to say, by its key.
+    #[serde(flatten)]
+    technique: BTreeMap<&'static str, serde_json::Value>,
     peak_device_bytes: u64,
+    #[serde(skip)]
+    technique_summary: Vec<String>,
 }
 
 /// What the image of Markov chains is scaled by.
@@ -82,6 +86,7 @@ impl Report {
         let samples: u64 = film.counts.iter().sum();
         let render = took.render.max(1e-9);
         let estimate = film.error_estimate();
+        let report = renderer.report()?;
         Ok(Self {
             schema: "lumbre-render-1",
             scene: scene.source.display().to_string(),
@@ -119,7 +124,8 @@ impl Report {
             brightness: film
                 .brightness
                 .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
-            patches: renderer.patches()?,
+            technique: report.iter().map(|report| (report.key, report.figures.clone())).collect(),
+            technique_summary: report.map_or(Vec::new(), |report| report.summary),
             peak_device_bytes: gpu.peak_bytes(),
         })
     }
@@ -201,9 +207,7 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
         (None, None) => String::from("relative standard error of a pixel unknown from one sample"),
     };
     print(&format!("mean       {r:.6} {g:.6} {b:.6}, {error}"));
-    if let Some(patches) = &report.patches {
-        print_patches(patches);
-    }
+    report.technique_summary.iter().for_each(|line| print(line));
     if report.nonfinite > 0 {
         let first = report
             .nonfinite_at
@@ -216,16 +220,4 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
     }
     let written: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
     print(&format!("wrote      {}", written.join(", ")));
-}
-
-fn print_patches(found: &PatchReport) {
-    let PatchReport { patches, vertices, rays, rounds, residual, row_sums: [least, mean, greatest], blocked, .. } =
-        found;
-    print(&format!("patches    {patches} with {vertices} vertices, {rounds} rounds of {rays} rays"));
-    let reciprocity = found.reciprocity.map_or(String::new(), |off| format!(", reciprocity off by {off:.1e}"));
-    print(&format!("           form factors sum to {least:.4} to {greatest:.4}, mean {mean:.6}{reciprocity}"));
-    print(&format!(
-        "           light still on its way {residual:.1e}, stopped by what has no patch {:.2} %",
-        100.0 * blocked
-    ));
 }

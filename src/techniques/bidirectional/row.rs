@@ -2,7 +2,6 @@
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
 use super::{Bias, Chance, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass};
-use crate::layout::{BIDIRECTIONAL_LENGTH, LightVertex};
 
 /// Traces light subpaths, splats their vertices and keeps them.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -27,8 +26,9 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    splats: true,
-    kept: Kept::Paths,
+    kept: Kept::LightSubpaths,
+    correlated: false,
+    tells_strategies: true,
     misses: &[Missing::HiddenDeltaCaustics],
     by_chance: &[Chance::HiddenCaustics],
     referee: true,
@@ -48,8 +48,9 @@ pub const VCM: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
-    splats: true,
-    kept: Kept::Grid(size_of::<LightVertex>() as u32, BIDIRECTIONAL_LENGTH - 1),
+    kept: Kept::MergedSubpaths,
+    correlated: false,
+    tells_strategies: false,
     misses: &[],
     by_chance: &[],
     referee: true,

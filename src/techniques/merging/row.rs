@@ -3,15 +3,15 @@
 use super::{Over, Parameter, Pass, Values, pass};
 
 /// Empties the cells of the grid, see `shaders/core/grid_build.glsl`.
-pub const GRID_CLEAR: Pass = pass("grid-clear", Over::Cells);
+pub const GRID_CLEAR: Pass = pass("grid-clear", Over::Elements);
 /// Counts the light vertices of each cell.
-pub const GRID_COUNT: Pass = pass("grid-count", Over::LightVertices);
+pub const GRID_COUNT: Pass = pass("grid-count", Over::Elements);
 /// Gives each cell its run of places.
-pub const GRID_ALLOT: Pass = pass("grid-allot", Over::Cells);
+pub const GRID_ALLOT: Pass = pass("grid-allot", Over::Elements);
 /// Puts each light vertex in a place of its cell.
-pub const GRID_FILL: Pass = pass("grid-fill", Over::LightVertices);
+pub const GRID_FILL: Pass = pass("grid-fill", Over::Elements);
 
-/// Within which paths from the camera meet vertices of light paths, see `src/render/merge_radius.rs`.
+/// Within which paths from the camera meet vertices of light paths, see `radius.rs`.
 pub const RADIUS: Parameter = Parameter {
     name: "radius",
     about: "within which the first sample looks for light paths, as a share of the radius of all that does not emit; 0 is one over \

@@ -2,7 +2,6 @@
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
 use super::{Bias, Chance, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
-use crate::layout::{PHOTONS_OF_PATH, Photon};
 
 /// Traces light paths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -18,8 +17,9 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
-    splats: false,
-    kept: Kept::Grid(size_of::<Photon>() as u32, PHOTONS_OF_PATH),
+    kept: Kept::Photons,
+    correlated: false,
+    tells_strategies: false,
     misses: &[],
     by_chance: &[Chance::GlossyCaustics],
     referee: true,

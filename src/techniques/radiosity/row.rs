@@ -3,15 +3,15 @@
 use super::{Bias, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
 
 /// Measures the albedo of patches.
-pub const ALBEDO: Pass = pass("albedo", Over::Patches);
+pub const ALBEDO: Pass = pass("albedo", Over::Jobs);
 /// Collects irradiance by rays that leave patches.
-pub const GATHER: Pass = pass_with("gather", Over::Patches, "solver", "gather");
+pub const GATHER: Pass = pass_with("gather", Over::Jobs, "solver", "gather");
 /// Sends power from lights and patches along rays.
-pub const SHOOT: Pass = pass_with("shoot", Over::Patches, "solver", "shoot");
+pub const SHOOT: Pass = pass_with("shoot", Over::Jobs, "solver", "shoot");
 /// Adds to the irradiance of patches what was shot at them.
-pub const COLLECT: Pass = pass_with("collect", Over::Patches, "solver", "shoot");
+pub const COLLECT: Pass = pass_with("collect", Over::Jobs, "solver", "shoot");
 /// Interpolates the irradiance of patches at their vertices.
-pub const VERTICES: Pass = pass("vertices", Over::PatchVertices);
+pub const VERTICES: Pass = pass("vertices", Over::Jobs);
 /// Shows the patches to the camera.
 pub const PIXELS: Pass = pass("pixels", Over::Pixels);
 
@@ -26,8 +26,9 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
         "surfaces are diffuse, and patches of them have one irradiance each, which smaller patches make exact",
     ),
     rr_depth: 5,
-    splats: false,
     kept: Kept::Patches,
+    correlated: false,
+    tells_strategies: false,
     misses: &[],
     by_chance: &[],
     referee: true,

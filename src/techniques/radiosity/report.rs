@@ -2,7 +2,10 @@
 
 use serde::Serialize;
 
-use crate::scene::patches::{FIRST_COLUMN, PatchMesh};
+use super::super::state::StateReport;
+use crate::error::{Error, Result};
+
+use super::patches::{FIRST_COLUMN, PatchMesh};
 
 /// Figures of a rendering with patches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -30,6 +33,24 @@ pub struct PatchReport {
 }
 
 impl PatchReport {
+    /// The report of the rendering: the figures, and what the summary says of them.
+    pub(super) fn report(&self) -> Result<StateReport> {
+        let Self { patches, vertices, rays, rounds, residual, row_sums: [least, mean, greatest], blocked, .. } = self;
+        let reciprocity = self.reciprocity.map_or(String::new(), |off| format!(", reciprocity off by {off:.1e}"));
+        Ok(StateReport {
+            key: "patches",
+            figures: serde_json::to_value(self).map_err(|error| Error::Device(error.to_string()))?,
+            summary: vec![
+                format!("patches    {patches} with {vertices} vertices, {rounds} rounds of {rays} rays"),
+                format!("           form factors sum to {least:.4} to {greatest:.4}, mean {mean:.6}{reciprocity}"),
+                format!(
+                    "           light still on its way {residual:.1e}, stopped by what has no patch {:.2} %",
+                    100.0 * blocked
+                ),
+            ],
+        })
+    }
+
     /// From what the rays of each patch met.
     pub(super) fn new(mesh: &PatchMesh, counts: &[u32], surfaces: usize) -> Self {
         let columns = mesh.columns() as usize;

@@ -3,21 +3,25 @@
 //! Before the first sample of the image, rounds prepare: each takes the light of the last one a segment further, until there is next to
 //! none left or paths have to end. Then one round goes before each sample, in frames of its own, so that no submission is long.
 
+use std::collections::HashSet;
 use std::time::Duration;
 
-use super::frames::FRAME;
-use super::patch_report::PatchReport;
-use super::state::State;
-use super::upload::Uploaded;
-use crate::error::Result;
+use super::super::pace::Pace;
+use super::super::settings::Settings;
+use super::super::state::{Context, FrameLimits, Job, NextState, StateBytes, StateKind, StateReport, TechniqueState};
+use super::super::stream::StateStream;
+use super::super::table::Pass;
+use super::super::table::radiosity as passes;
+use super::patches::{PatchMesh, Quartered};
+use super::report::PatchReport;
+use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES, WORKGROUP, address,
+    FIXED_RGB_BYTES, FrameConstants, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES,
+    WORKGROUP, address,
 };
 use crate::scene::Scene;
 use crate::scene::compile::light::triangle_area;
-use crate::scene::patches::{PatchMesh, Quartered};
-use crate::techniques::{Pass, Settings, radiosity_passes};
 
 /// The most rays of a patch in a round, where their number follows that of pixels.
 const MOST_RAYS: u64 = 64;
@@ -30,7 +34,7 @@ const RESIDUAL: f64 = 1e-6;
 /// Rounds after which that is given up: where nothing is absorbed, light goes on for ever.
 const MOST_ROUNDS: u32 = 4096;
 /// How often patches are quartered where that is asked for.
-pub(super) const LEVELS: u32 = 3;
+const LEVELS: u32 = 3;
 /// Rays of a patch by which it is decided.
 const TRIAL_RAYS: u32 = 256;
 /// Share of the light that may be left on its way then.
@@ -39,7 +43,7 @@ const TRIAL_RESIDUAL: f64 = 0.02;
 const FOUND_FROM: f64 = 0.25;
 
 /// How many layers of irradiance there are, by path length, and whether the last one takes all longer paths.
-pub(super) fn layers(settings: &Settings) -> (u32, bool) {
+fn layers(settings: &Settings) -> (u32, bool) {
     match settings.max_depth {
         Some(depth) => (depth.saturating_sub(1).max(1), false),
         None => (settings.lengths.saturating_sub(1).max(1), true),
@@ -47,22 +51,49 @@ pub(super) fn layers(settings: &Settings) -> (u32, bool) {
 }
 
 /// Patches of the size that these settings ask for; larger where they need not be quartered.
-pub(super) fn mesh(scene: &Scene, settings: &Settings, quartered: &Quartered) -> Result<PatchMesh> {
+fn mesh(scene: &Scene, settings: &Settings, quartered: &Quartered) -> Result<PatchMesh> {
     let levels = if threshold(settings) > 0.0 { LEVELS } else { 0 };
     PatchMesh::new(scene, number(settings, "patches").unwrap_or(1.0), levels, quartered)
 }
 
 /// Differences above which patches are quartered; 0 where all are.
-pub(super) fn threshold(settings: &Settings) -> f64 {
+fn threshold(settings: &Settings) -> f64 {
     number(settings, "adaptive").unwrap_or(0.0)
 }
 
 fn number(settings: &Settings, name: &str) -> Option<f64> {
-    settings.technique.value(name).and_then(|text| text.parse().ok())
+    settings.technique.number(name)
+}
+
+/// What radiosity keeps.
+pub(in super::super) struct Patches;
+
+impl StateKind for Patches {
+    fn check(&self, gpu: &Gpu, settings: &Settings) -> Result<()> {
+        if !shoots(settings) || gpu.limits().int64_atomics {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "radiosity:solver=shoot needs the feature shaderBufferInt64Atomics, which {} lacks; solver=gather does without",
+            gpu.survey().name
+        )))
+    }
+
+    /// Where patches are quartered as need be, it is the most that they can be.
+    fn bytes(&self, scene: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
+        let exact = threshold(settings) == 0.0;
+        let sizes = sizes(&mesh(scene, settings, &Quartered::All)?, scene, settings);
+        Ok(sizes.map(|(name, bytes)| StateBytes { name, bytes, exact }).into())
+    }
+
+    fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
+        let trials = if threshold(context.settings) > 0.0 { LEVELS } else { 0 };
+        Ok(Box::new(Radiosity::new(context, Quartered::These(HashSet::new()), trials)?))
+    }
 }
 
 /// What the patches take on the device, by kind.
-pub(super) fn sizes(mesh: &PatchMesh, scene: &Scene, settings: &Settings) -> [(&'static str, u64); 4] {
+fn sizes(mesh: &PatchMesh, scene: &Scene, settings: &Settings) -> [(&'static str, u64); 4] {
     let (patches, vertices) = (mesh.patches.len() as u64, mesh.vertices() as u64);
     let layers = u64::from(layers(settings).0);
     let bytes = |list: &[u32]| size_of_val(list) as u64;
@@ -101,7 +132,7 @@ fn arriving_bytes(settings: &Settings, patches: u64) -> u64 {
 
 /// What the next frame of the patches does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Task {
+enum Task {
     Albedo,
     Gather,
     Shoot,
@@ -115,32 +146,22 @@ impl Task {
     /// The pass that does it.
     pub fn pass(self) -> Pass {
         match self {
-            Self::Albedo => radiosity_passes::ALBEDO,
-            Self::Gather => radiosity_passes::GATHER,
-            Self::Shoot => radiosity_passes::SHOOT,
-            Self::Collect => radiosity_passes::COLLECT,
-            Self::Vertices => radiosity_passes::VERTICES,
+            Self::Albedo => passes::ALBEDO,
+            Self::Gather => passes::GATHER,
+            Self::Shoot => passes::SHOOT,
+            Self::Collect => passes::COLLECT,
+            Self::Vertices => passes::VERTICES,
         }
     }
 }
 
 /// Whether the settings ask for patches that shoot.
-pub(super) fn shoots(settings: &Settings) -> bool {
+fn shoots(settings: &Settings) -> bool {
     settings.technique.value("solver") == Some("shoot")
 }
 
-/// A frame of the patches.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PatchFrame {
-    pub task: Task,
-    pub round: u32,
-    pub first: u32,
-    pub count: u32,
-    pub rays: u32,
-}
-
-/// Patches on the device.
-pub(super) struct Radiosity {
+/// The patches of a rendering, and how far the light is on its way between them.
+pub struct Radiosity {
     mesh: PatchMesh,
     surfaces: usize,
     table: Buffer,
@@ -156,6 +177,8 @@ pub(super) struct Radiosity {
     open_ended: bool,
     shoots: bool,
     rays: u32,
+    /// Pixels of the image.
+    pixels: u32,
     /// What comes next, from which patch on.
     task: Task,
     cursor: u32,
@@ -168,22 +191,21 @@ pub(super) struct Radiosity {
     power: [f64; 3],
     /// The residual at which preparing ends.
     may_be_left: f64,
-    /// Rays that fit into a frame, by the last one's speed.
-    capacity: u64,
+    /// Rays that fit into a job.
+    pace: Pace,
+    /// Which patches are quartered, above which differences, and the trials by which that is found out, this one included.
+    quartered: Quartered,
+    threshold: f64,
+    trials: u32,
 }
 
 impl Radiosity {
-    /// Divides the scene that was uploaded.
-    pub fn new(
-        gpu: &Gpu,
-        scene: &Scene,
-        uploaded: &Uploaded,
-        settings: &Settings,
-        quartered: &Quartered,
-    ) -> Result<Self> {
-        let mut mesh = mesh(scene, settings, quartered)?;
-        mesh.reorder(scene, uploaded.order(), uploaded.instance_order());
-        let bases = mesh.bases(scene, uploaded.instance_order());
+    /// Divides the scene that is on the device. With trials left, it only finds out which patches are to be quartered.
+    fn new(context: &Context, quartered: Quartered, trials: u32) -> Result<Self> {
+        let Context { gpu, scene, settings, order, instance_order } = *context;
+        let mut mesh = mesh(scene, settings, &quartered)?;
+        mesh.reorder(scene, order, instance_order);
+        let bases = mesh.bases(scene, instance_order);
         let (layers, open_ended) = layers(settings);
         let (patches, vertices) = (mesh.patches.len() as u64, mesh.vertices() as u64);
         let mut kept = Vec::new();
@@ -223,8 +245,9 @@ impl Radiosity {
         };
         Ok(Self {
             table: Buffer::with_data(gpu, "patches", &[table])?,
-            rays: rays(settings, patches),
+            rays: if trials > 0 { TRIAL_RAYS } else { rays(settings, patches) },
             surfaces: scene.surfaces.len(),
+            pixels: settings.pixels() as u32,
             mesh,
             newest,
             received,
@@ -243,97 +266,28 @@ impl Radiosity {
             albedos: Vec::new(),
             first_power: [0.0; 3],
             power: [0.0; 3],
-            may_be_left: RESIDUAL,
-            capacity: 1 << 14,
+            may_be_left: if trials > 0 { TRIAL_RESIDUAL } else { RESIDUAL },
+            pace: Pace::new(),
+            quartered,
+            threshold: threshold(settings),
+            trials,
         })
     }
 
-    /// The same, to find out which patches are to be quartered: after the first sample they are asked.
-    pub fn on_trial(mut self) -> Self {
-        self.rays = TRIAL_RAYS;
-        self.may_be_left = TRIAL_RESIDUAL;
-        self
-    }
-
     /// Patches to be quartered besides those that were; nothing where there are none.
-    pub fn uneven(&self, share: f64, quartered: &Quartered) -> Result<Option<Quartered>> {
+    fn uneven(&self) -> Result<Option<Quartered>> {
         let (count, layers) = (self.mesh.patches.len(), self.layers as usize);
         let all: Vec<[f32; 3]> = self.received.read(2 * count * layers)?;
         let shown = &all[((self.rounds & 1) as usize) * count * layers..][..count * layers];
         let strength = |rgb: [f32; 3]| rgb.iter().sum::<f32>();
         let light: Vec<f32> =
             (0..count).map(|patch| (0..layers).map(|layer| strength(shown[layer * count + patch])).sum()).collect();
-        Ok(self.mesh.uneven(&light, share, quartered))
-    }
-
-    /// Address of the table.
-    pub fn address(&self) -> u64 {
-        self.table.address()
-    }
-
-    /// The round that the image shows.
-    pub fn shown_round(&self) -> u32 {
-        self.rounds.saturating_sub(1)
-    }
-
-    /// Forgets all light.
-    pub fn restart(&mut self) -> Result<()> {
-        self.received.clear()?;
-        self.met.clear()?;
-        self.arriving.clear()?;
-        (self.cursor, self.rounds) = (0, 0);
-        if self.prepared != Some(0) {
-            self.prepared = None;
-        }
-        self.task = if self.albedos.is_empty() { Task::Albedo } else { self.first_task() };
-        Ok(())
-    }
-
-    /// All light, and how far the round at hand is.
-    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
-        let mut task = self.task as u32;
-        let (mut prepared, mut has_albedos) = (self.prepared.unwrap_or(NONE), u32::from(!self.albedos.is_empty()));
-        state.numbers([&mut task, &mut self.cursor, &mut self.rounds, &mut prepared, &mut has_albedos])?;
-        state.reals(self.first_power.iter_mut().chain(&mut self.power))?;
-        for buffer in [&self.newest, &self.received, &self.albedo, &self.met, &self.arriving, &self.at_vertices] {
-            state.buffer(buffer)?;
-        }
-        if state.restores() {
-            let found = Task::ALL.into_iter().find(|known| *known as u32 == task);
-            state.check(found.is_some(), "a task of the patches")?;
-            self.task = found.unwrap_or(Task::Albedo);
-            self.prepared = (prepared != NONE).then_some(prepared);
-            if has_albedos > 0 {
-                self.albedos = self.albedo.read(self.mesh.patches.len())?;
-            }
-            state.check(self.cursor <= self.extent(), "a place among the patches")?;
-        }
-        Ok(())
+        Ok(self.mesh.uneven(&light, self.threshold, &self.quartered))
     }
 
     /// What a round begins with.
     fn first_task(&self) -> Task {
         if self.shoots { Task::Shoot } else { Task::Gather }
-    }
-
-    /// What is to be done before the sample of that index; nothing where the patches are ready for it.
-    pub fn next(&self, sample: u32, room: u32, bound: u64) -> Option<PatchFrame> {
-        let is_ready = self.prepared.is_some() && self.rounds > sample;
-        if self.prepared == Some(0) || is_ready {
-            return None;
-        }
-        let preparing = self.prepared.is_none();
-        let rays = match self.task {
-            Task::Albedo => ALBEDO_RAYS,
-            Task::Gather | Task::Shoot if preparing => (self.rays / FEWER).max(1),
-            Task::Gather | Task::Shoot => self.rays,
-            Task::Collect | Task::Vertices => 1,
-        };
-        let fit = (self.capacity.min(bound) / u64::from(rays)).next_multiple_of(u64::from(WORKGROUP));
-        let all = self.extent();
-        let count = u32::try_from(fit).unwrap_or(u32::MAX).clamp(WORKGROUP, room).min(all - self.cursor);
-        let round = self.rounds | if preparing { PREPARING_BIT } else { 0 };
-        Some(PatchFrame { task: self.task, round, first: self.cursor, count, rays })
     }
 
     /// What the task at hand runs over.
@@ -344,33 +298,6 @@ impl Radiosity {
             Task::Shoot => 2 * patches, // as many again for the lights
             Task::Vertices => self.mesh.vertices() as u32,
         }
-    }
-
-    /// Takes note of a frame that has been run.
-    pub fn done(&mut self, frame: PatchFrame, took: Duration) -> Result<()> {
-        let work = u64::from(frame.count) * u64::from(frame.rays);
-        let fit = (work as f64 * FRAME.as_secs_f64() / took.as_secs_f64().max(1e-6)) as u64;
-        self.capacity = fit.clamp(self.capacity / 4, self.capacity.saturating_mul(4)).max(u64::from(WORKGROUP));
-        self.cursor += frame.count;
-        if self.cursor < self.extent() {
-            return Ok(());
-        }
-        self.cursor = 0;
-        match (self.task, self.prepared) {
-            (Task::Albedo, _) => {
-                self.albedos = self.albedo.read(self.mesh.patches.len())?;
-                self.task = self.first_task();
-            }
-            (Task::Shoot, _) => self.task = Task::Collect,
-            (Task::Gather | Task::Collect, None) => self.end_preparing_round()?,
-            // The round counts once the vertices have it.
-            (Task::Gather | Task::Collect, Some(_)) => self.task = Task::Vertices,
-            (Task::Vertices, _) => {
-                self.rounds += 1;
-                self.task = self.first_task();
-            }
-        }
-        Ok(())
     }
 
     /// Measures what the round has brought: the light that goes on from there.
@@ -404,8 +331,8 @@ impl Radiosity {
         shares.map(|(power, first)| power / first).fold(0.0, f64::max)
     }
 
-    /// What they came to.
-    pub fn report(&self) -> Result<PatchReport> {
+    /// Figures of the patches and their form factors.
+    pub fn figures(&self) -> Result<PatchReport> {
         let columns = self.mesh.columns() as usize;
         let counts: Vec<u32> = self.met.read(self.mesh.patches.len() * columns)?;
         let mut report = PatchReport::new(&self.mesh, &counts, self.surfaces);
@@ -416,14 +343,119 @@ impl Radiosity {
     }
 }
 
+impl TechniqueState for Radiosity {
+    fn describe(&self, _: u32, constants: &mut FrameConstants) {
+        constants.patches = address(self.table.address());
+        constants.round = self.rounds.saturating_sub(1); // the one that the image shows
+        constants.light_path_count = self.pixels;
+    }
+
+    /// Each sample shows patches in a state of their own.
+    fn limits(&self) -> FrameLimits {
+        FrameLimits { samples: 1, ..FrameLimits::NONE }
+    }
+
+    fn next_job(&self, sample: u32, most: u64) -> Option<Job> {
+        let is_ready = self.prepared.is_some() && self.rounds > sample;
+        if self.prepared == Some(0) || is_ready {
+            return None;
+        }
+        let preparing = self.prepared.is_none();
+        let samples = match self.task {
+            Task::Albedo => ALBEDO_RAYS,
+            Task::Gather | Task::Shoot if preparing => (self.rays / FEWER).max(1),
+            Task::Gather | Task::Shoot => self.rays,
+            Task::Collect | Task::Vertices => 1,
+        };
+        let fit = (self.pace.fits().min(most) / u64::from(samples)).next_multiple_of(u64::from(WORKGROUP));
+        let (first, left) = (self.cursor, self.extent() - self.cursor);
+        let count = u32::try_from(fit).unwrap_or(u32::MAX).max(WORKGROUP).min(left);
+        let word = self.rounds | if preparing { PREPARING_BIT } else { 0 };
+        let about = format!("{count} patches from {first}, round {word}");
+        Some(Job { pass: self.task.pass(), first, count, samples, word, about })
+    }
+
+    fn job_done(&mut self, job: &Job, took: Duration) -> Result<()> {
+        self.pace.took(u64::from(job.count) * u64::from(job.samples), took);
+        self.cursor += job.count;
+        if self.cursor < self.extent() {
+            return Ok(());
+        }
+        self.cursor = 0;
+        match (self.task, self.prepared) {
+            (Task::Albedo, _) => {
+                self.albedos = self.albedo.read(self.mesh.patches.len())?;
+                self.task = self.first_task();
+            }
+            (Task::Shoot, _) => self.task = Task::Collect,
+            (Task::Gather | Task::Collect, None) => self.end_preparing_round()?,
+            // The round counts once the vertices have it.
+            (Task::Gather | Task::Collect, Some(_)) => self.task = Task::Vertices,
+            (Task::Vertices, _) => {
+                self.rounds += 1;
+                self.task = self.first_task();
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets all light; albedos stay.
+    fn restart(&mut self, _: u32) -> Result<()> {
+        self.received.clear()?;
+        self.met.clear()?;
+        self.arriving.clear()?;
+        (self.cursor, self.rounds) = (0, 0);
+        if self.prepared != Some(0) {
+            self.prepared = None;
+        }
+        self.task = if self.albedos.is_empty() { Task::Albedo } else { self.first_task() };
+        Ok(())
+    }
+
+    /// All light, and how far the round at hand is.
+    fn exchange(&mut self, stream: &mut StateStream, _: bool) -> Result<()> {
+        let mut task = self.task as u32;
+        let (mut prepared, mut has_albedos) = (self.prepared.unwrap_or(NONE), u32::from(!self.albedos.is_empty()));
+        stream.numbers([&mut task, &mut self.cursor, &mut self.rounds, &mut prepared, &mut has_albedos])?;
+        stream.reals(self.first_power.iter_mut().chain(&mut self.power))?;
+        for buffer in [&self.newest, &self.received, &self.albedo, &self.met, &self.arriving, &self.at_vertices] {
+            stream.buffer(buffer)?;
+        }
+        if stream.restores() {
+            let found = Task::ALL.into_iter().find(|known| *known as u32 == task);
+            stream.check(found.is_some(), "a task of the patches")?;
+            self.task = found.unwrap_or(Task::Albedo);
+            self.prepared = (prepared != NONE).then_some(prepared);
+            if has_albedos > 0 {
+                self.albedos = self.albedo.read(self.mesh.patches.len())?;
+            }
+            stream.check(self.cursor <= self.extent(), "a place among the patches")?;
+        }
+        Ok(())
+    }
+
+    fn report(&self) -> Result<Option<StateReport>> {
+        self.figures()?.report().map(Some)
+    }
+
+    fn trial(&self) -> Option<&'static str> {
+        (self.trials > 0).then_some("quartering patches")
+    }
+
+    /// Quarters patches where irradiance differs from one to the next, and tries again, until it differs nowhere or they are small enough.
+    fn after_trial(&self) -> Result<Option<NextState>> {
+        let uneven = self.uneven()?;
+        let trials = if uneven.is_some() { self.trials - 1 } else { 0 };
+        let quartered = uneven.unwrap_or_else(|| self.quartered.clone());
+        Ok(Some(Box::new(move |context| Ok(Box::new(Self::new(context, quartered, trials)?)))))
+    }
+}
+
 /// Rays of a patch in a round.
 fn rays(settings: &Settings, patches: u64) -> u32 {
     match number(settings, "rays") {
         Some(rays) if rays >= 1.0 => rays as u32,
-        _ => {
-            let pixels = u64::from(settings.width) * u64::from(settings.height);
-            (pixels / patches.max(1)).clamp(1, MOST_RAYS).next_power_of_two() as u32
-        }
+        _ => (settings.pixels() / patches.max(1)).clamp(1, MOST_RAYS).next_power_of_two() as u32,
     }
 }
 

@@ -11,8 +11,8 @@ use crate::gpu::Buffer;
 /// Bytes of a buffer that are in the host's memory at once.
 const CHUNK: u64 = 16 << 20;
 
-/// A state on its way out, or back in.
-pub struct State<'a> {
+/// A stream that a state is saved to, or restored from.
+pub struct StateStream<'a> {
     /// The file, for messages.
     file: &'a Path,
     way: Way<'a>,
@@ -23,19 +23,19 @@ enum Way<'a> {
     In(&'a mut dyn Read),
 }
 
-impl<'a> State<'a> {
-    /// On its way to `file`.
+impl<'a> StateStream<'a> {
+    /// Saves to `to`, which messages call `file`.
     pub fn saving(file: &'a Path, to: &'a mut dyn Write) -> Self {
         Self { file, way: Way::Out(to) }
     }
 
-    /// On its way from `file`.
+    /// Restores from `from`, which messages call `file`.
     pub fn restoring(file: &'a Path, from: &'a mut dyn Read) -> Self {
         Self { file, way: Way::In(from) }
     }
 
-    /// Whether what it is shown is to be overwritten.
-    pub(super) fn restores(&self) -> bool {
+    /// Whether it restores: what it is shown is overwritten then.
+    pub(crate) fn restores(&self) -> bool {
         matches!(self.way, Way::In(_))
     }
 
@@ -47,7 +47,7 @@ impl<'a> State<'a> {
     }
 
     /// 32-bit integers.
-    pub(super) fn numbers<'b>(&mut self, values: impl IntoIterator<Item = &'b mut u32>) -> Result<()> {
+    pub(crate) fn numbers<'b>(&mut self, values: impl IntoIterator<Item = &'b mut u32>) -> Result<()> {
         for value in values {
             let mut bytes = value.to_le_bytes();
             self.bytes(&mut bytes)?;
@@ -57,7 +57,7 @@ impl<'a> State<'a> {
     }
 
     /// A 64-bit integer.
-    pub(super) fn long(&mut self, value: &mut u64) -> Result<()> {
+    pub(crate) fn long(&mut self, value: &mut u64) -> Result<()> {
         let mut bytes = value.to_le_bytes();
         self.bytes(&mut bytes)?;
         *value = u64::from_le_bytes(bytes);
@@ -65,7 +65,7 @@ impl<'a> State<'a> {
     }
 
     /// Numbers in double precision, bit by bit.
-    pub(super) fn reals<'b>(&mut self, values: impl IntoIterator<Item = &'b mut f64>) -> Result<()> {
+    pub(crate) fn reals<'b>(&mut self, values: impl IntoIterator<Item = &'b mut f64>) -> Result<()> {
         for value in values {
             let mut bits = value.to_bits();
             self.long(&mut bits)?;
@@ -75,7 +75,7 @@ impl<'a> State<'a> {
     }
 
     /// The contents of a buffer on the device, after its size, which must be the same when it is read.
-    pub(super) fn buffer(&mut self, buffer: &Buffer) -> Result<()> {
+    pub(crate) fn buffer(&mut self, buffer: &Buffer) -> Result<()> {
         let mut size = buffer.size();
         self.long(&mut size)?;
         let what = format!("{size} bytes of '{}', which has {}", buffer.name(), buffer.size());
@@ -97,7 +97,7 @@ impl<'a> State<'a> {
     }
 
     /// Fails where what was read cannot be: `what` it was.
-    pub(super) fn check(&self, holds: bool, what: &str) -> Result<()> {
+    pub(crate) fn check(&self, holds: bool, what: &str) -> Result<()> {
         if holds { Ok(()) } else { Err(Error::read(self.file, format!("it has {what} that cannot be"))) }
     }
 }

@@ -8,9 +8,9 @@ mod hanging;
 mod mesh;
 mod vertices;
 
-use super::Scene;
 use crate::error::{Error, Result};
 use crate::layout::{NONE, Patch, PatchFace, SURFACE_MASK};
+use crate::scene::Scene;
 use faces::Face;
 pub use faces::Node;
 use mesh::BACKS;

@@ -1,24 +1,33 @@
 //! Markov chains on the device: how many there are, what they begin with, and the mean that their visits are scaled by.
 //!
-//! A chain visits paths in proportion to what they bring, so its visits say what the image looks like and not how bright it is. That is
-//! the mean of what candidates and large steps bring: both are independent paths. Chains begin with candidates that are chosen in
-//! proportion to what these bring, which leaves no bias of starting up (Veach 1997, section 11.3.1). Light that few paths find is met by as many
-//! chains as it deserves if candidates have met it, and by next to none otherwise: there should be many, however few chains there are.
+//! A chain visits paths in proportion to their contribution, so its visits say what the image looks like and not how bright it is. That is
+//! the mean contribution of bootstrap samples and of large steps: both are independent paths. Chains begin with bootstrap samples that are
+//! chosen in proportion to their contribution, which leaves no start-up bias (Veach 1997, section 11.3.1). Light that few paths find is met
+//! by as many chains as it deserves if bootstrap samples have met it, and by next to none otherwise: there should be many, however few
+//! chains there are.
 //!
-//! Where a path brings much more than the mean, chains visit it less often than that, and each visit counts for more: its target is bounded
-//! (see `shaders/techniques/metropolis/chains.glsl`), so that no path holds a chain for longer than the image takes, and the mean has few surprises.
+//! Where the contribution f of a path is much more than the mean, chains visit it less often than that, and each visit counts for more: their
+//! target is compressed to f / (1 + f / K) (see `shaders/techniques/metropolis/chains.glsl`), so that no path holds a chain for longer than the image takes, and
+//! the mean has few surprises.
 
 use std::time::Duration;
 
-use super::frames;
-use super::state::State;
+use super::super::pace::Pace;
+use super::super::sampler::SAMPLERS;
+use super::super::settings::Settings;
+use super::super::splat_planes::SplatPlanes;
+use super::super::state::{Context, FilmScale, FrameLimits, Job, StateBytes, StateKind, TechniqueState};
+use super::super::stream::StateStream;
+use super::super::table::Pass;
+use super::super::table::metropolis::{MULTIPLEXED, PATHS, PRIMARY};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address,
+    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, FrameConstants, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
+    WORKGROUP, address,
 };
+use crate::scene::Scene;
 use crate::statistics::Estimate;
-use crate::techniques::{Kept, Settings, Technique};
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;
@@ -29,32 +38,32 @@ const VERTEX_BLOCKS: u64 = 2;
 const MOST_VERTICES: u64 = 24;
 /// The longest paths of chains that keep vertices, in segments. Chains keep two paths: the current one and the proposal.
 const MOST_SEGMENTS: u64 = 32;
-/// Paths that a frame of candidates has room for at least, where it needs any: few chains are no reason to keep a device idle.
+/// Paths that a job of bootstrap samples has room for at least, where it needs any: few chains are no reason to keep a device idle.
 const LEAST_ROOM: u64 = 1024;
-/// Of large steps, the share that goes to kinds whatever these bring; candidates have no other.
+/// Of large steps, the share that goes to kinds whatever their contribution; bootstrap samples have no other.
 const FIXED: f64 = 0.2;
 /// Of that, the part of the kind that meets light by chance alone: where it is what finds an image's light, few of its paths find any.
 const CHANCE: f64 = 0.25;
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct ChainSize {
-    /// Chains; 0 where the technique has none.
+struct ChainSize {
+    /// Chains.
     pub chains: u64,
     /// Those that take part in one sample.
     pub of_sample: u64,
     /// Mutations of each of these.
     pub mutations: u64,
-    /// Paths to begin with.
-    pub candidates: u64,
+    /// Bootstrap samples: paths that chains may begin with.
+    pub bootstrap: u64,
     /// Blocks of numbers that a chain has room for, of the camera's and of the lights' paths.
     pub camera_blocks: u64,
     pub light_blocks: u64,
     /// Vertices of paths that a chain has room for, where it keeps those instead.
     pub vertices: u64,
-    /// Paths that there is room for: one for each chain, or more, since candidates are made in the same room.
+    /// Paths that there is room for: one for each chain, or more, since bootstrap samples are made in the same room.
     room: u64,
-    /// Layers of what its path brings.
+    /// Layers of its path's contribution.
     layers: u64,
     /// Kinds of paths: by their length, or besides that what the camera's paths find, of whatever length.
     pub kinds: u64,
@@ -65,10 +74,7 @@ pub(super) struct ChainSize {
 impl ChainSize {
     pub fn of(settings: &Settings) -> Self {
         let technique = &settings.technique;
-        if technique.row.kept != Kept::Chains {
-            return Self::default();
-        }
-        let number = |name: &str| number(technique, name);
+        let number = |name: &str| technique.number(name).unwrap_or_default();
         let depth = u64::from(settings.max_depth.unwrap_or(u32::MAX));
         let blocks = |vertices: u64| FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(vertices);
         let longest = u64::from(BIDIRECTIONAL_LENGTH);
@@ -86,7 +92,7 @@ impl ChainSize {
             _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
         size.layers = u64::from(settings.layers().max(1));
-        let pixels = u64::from(settings.width) * u64::from(settings.height);
+        let pixels = settings.pixels();
         let workgroup = u64::from(WORKGROUP);
         let asked = number("chains") as u64;
         let most = if asked > 0 {
@@ -95,12 +101,12 @@ impl ChainSize {
             (CHAIN_BYTES / size.bytes_of_chain() / workgroup * workgroup).clamp(workgroup, pixels.max(workgroup))
         };
         [size.chains, size.of_sample, size.mutations] = divided(pixels, most);
-        size.candidates = (number("candidates") as u64).max(size.chains);
+        size.bootstrap = (number("candidates") as u64).max(size.chains);
         size.room = if size.vertices > 0 { size.chains.max(LEAST_ROOM) } else { size.chains };
         size
     }
 
-    /// The probability that a candidate is of each kind.
+    /// The probability that a bootstrap sample is of each kind.
     fn shares(&self) -> Vec<f64> {
         let others = (1.0 - CHANCE) / (self.kinds - 1).max(1) as f64;
         let share = |kind| match kind == self.by_chance {
@@ -124,43 +130,74 @@ impl ChainSize {
         u64::from(VEC3_BYTES) * self.layers
     }
 
-    /// Bytes of the chains with what their paths bring, of their numbers, and of the candidates.
-    pub fn bytes(&self) -> [(&'static str, u64); 3] {
-        if self.chains == 0 {
-            return [("chains", 0), ("paths of chains", 0), ("candidates", 0)];
-        }
+    /// Bytes of the chains with the contributions of their paths, of their numbers, and of bootstrap samples.
+    pub fn bytes(&self) -> [StateBytes; 3] {
         let states = self.chains * (size_of::<Chain>() as u64 + self.value_bytes_of_chain());
         let table = size_of::<ChainTable>() as u64 + 4 * self.kinds;
         [
-            ("chains", states + table),
-            ("paths of chains", self.room * self.number_bytes_of_chain()),
-            ("candidates", self.candidates * size_of::<Candidate>() as u64),
+            StateBytes::exact("chains", states + table),
+            StateBytes::exact("paths of chains", self.room * self.number_bytes_of_chain()),
+            StateBytes::exact("candidates", self.bootstrap * size_of::<Candidate>() as u64),
         ]
     }
 }
 
-/// The chains of a rendering.
-pub(super) struct Chains {
+/// Pixels of the image with the border from which wide filters reach into it: the light subpaths that a sample stands for.
+fn paths_of_sample(settings: &Settings) -> u64 {
+    let border = (settings.filter.radius() - 0.5).max(0.0).ceil() as u64;
+    (u64::from(settings.width) + 2 * border) * (u64::from(settings.height) + 2 * border)
+}
+
+/// What Metropolis light transport keeps.
+pub(in super::super) struct MarkovChains;
+
+impl StateKind for MarkovChains {
+    fn check(&self, _: &Gpu, settings: &Settings) -> Result<()> {
+        if settings.sampler == SAMPLERS[0].sampler {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "random numbers of {} are its chains' own: valid is --sampler {}",
+            settings.technique.row.name, SAMPLERS[0].name
+        )))
+    }
+
+    fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
+        let splats = SplatPlanes::bytes(settings, SplatPlanes::several(settings));
+        Ok([splats].into_iter().chain(ChainSize::of(settings).bytes()).collect())
+    }
+
+    fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
+        Ok(Box::new(Chains::new(context.gpu, context.settings)?))
+    }
+}
+
+/// The Markov chains of a rendering, and where they splat.
+pub struct Chains {
     size: ChainSize,
+    splats: SplatPlanes,
+    paths_of_sample: u32,
+    /// The pass that mutates paths, and makes bootstrap samples where it is given no samples.
+    pass: Pass,
     table: Buffer,
     kinds_shares: Buffer,
     states: Buffer,
     values: Buffer,
     numbers: Buffer,
-    candidates: Buffer,
-    /// Candidates that there are already, those that chains choose among, and how many fit into a frame, by the last one's speed.
+    bootstrap: Buffer,
+    /// Bootstrap samples that there are already, those that chains choose among, and how many fit into a job.
     made: u64,
     wanted: u64,
-    capacity: u64,
+    pace: Pace,
     /// What making them took, and may take.
     took: Duration,
-    limit: Duration,
+    budget: Duration,
     /// The probability that a large step is of each kind.
     shares: Vec<f64>,
-    /// The bound of the target, in means of it over all paths that bring anything, and as a value once all candidates are there.
+    /// The bound K of the target, in means of it over all paths that contribute anything, and as a value once all bootstrap samples are there.
     bound_in_means: f64,
     bound: f64,
-    /// Sum of the target at candidates, once they are all there.
+    /// Sum of the target at bootstrap samples, once they are all there.
     sum: Option<f64>,
     /// Sum of the squared differences of those from their mean.
     squares: f64,
@@ -168,96 +205,131 @@ pub(super) struct Chains {
     offset: f64,
 }
 
-impl Chains {
-    /// Nothing where the technique has none.
-    pub fn new(gpu: &Gpu, settings: &Settings) -> Result<Option<Self>> {
-        let size = ChainSize::of(settings);
-        if size.chains == 0 {
-            return Ok(None);
-        }
-        let [_, (_, number_bytes), (_, candidate_bytes)] = size.bytes();
-        let mut chains = Self {
-            size,
-            table: Buffer::zeroed(gpu, "chains", size_of::<ChainTable>() as u64)?,
-            kinds_shares: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
-            states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
-            values: Buffer::zeroed(gpu, "chains", size.chains * size.value_bytes_of_chain())?,
-            numbers: Buffer::new(gpu, "paths of chains", number_bytes)?,
-            candidates: Buffer::new(gpu, "candidates", candidate_bytes)?,
-            made: 0,
-            wanted: size.candidates,
-            capacity: frames::FIRST,
-            took: Duration::ZERO,
-            limit: Duration::MAX,
-            shares: Vec::new(),
-            bound_in_means: number(&settings.technique, "bound"),
-            bound: f64::INFINITY,
-            sum: None,
-            squares: 0.0,
-            offset: 0.0,
-        };
-        chains.restart(settings.seed)?;
-        Ok(Some(chains))
+impl TechniqueState for Chains {
+    fn describe(&self, _: u32, constants: &mut FrameConstants) {
+        self.splats.describe(constants);
+        constants.light_path_count = self.paths_of_sample;
+        constants.chains = address(self.table.address());
     }
 
-    /// Forgets where chains are, and begins again with another seed.
-    pub fn restart(&mut self, seed: u32) -> Result<()> {
-        self.offset = uniform(seed);
-        (self.made, self.wanted, self.took) = (0, self.size.candidates, Duration::ZERO);
-        (self.sum, self.bound) = (None, f64::INFINITY);
-        self.shares = self.size.shares();
-        self.describe(0.0)
+    fn limits(&self) -> FrameLimits {
+        self.splats.limits()
     }
 
-    /// Device address of the table.
-    pub fn address(&self) -> u64 {
-        self.table.address()
-    }
-
-    /// Bounds the time that candidates take: chains begin with those that are there by then, as long as any of them brings light.
-    pub fn limit(&mut self, limit: Duration) {
-        self.limit = limit;
-    }
-
-    /// The next candidates to make: the first one, and how many; nothing where they are all there.
-    pub fn missing(&self) -> Option<(u32, u32)> {
+    /// The next bootstrap samples to make. They are made in the room of the chains, and no bound on frames cuts them.
+    fn next_job(&self, _: u32, _: u64) -> Option<Job> {
         let left = self.wanted - self.made;
         let room = if self.size.vertices > 0 { self.size.room } else { left };
-        (left > 0).then(|| (self.made as u32, self.capacity.min(left).min(room) as u32))
+        let (first, count) = (self.made as u32, self.pace.fits().min(left).min(room) as u32);
+        let about = format!("{count} candidates from {first}");
+        (left > 0).then_some(Job { pass: self.pass, first, count, samples: 0, word: 0, about })
     }
 
-    /// The share of candidates that are there; 1 once chains have begun.
-    pub fn progress(&self) -> f64 {
-        self.made as f64 / self.wanted as f64
-    }
-
-    /// Takes note of candidates that were made; chooses among them once all are there, or as many as there is time for.
-    pub fn made(&mut self, count: u32, took: Duration) -> Result<()> {
-        self.made += u64::from(count);
+    /// Chooses among bootstrap samples once all are there, or as many as there is time for.
+    fn job_done(&mut self, job: &Job, took: Duration) -> Result<()> {
+        self.made += u64::from(job.count);
         self.took += took;
-        self.capacity = frames::adapted(self.capacity, u64::from(count), took);
-        let is_late = self.took >= self.limit;
+        self.pace.took(u64::from(job.count), took);
+        let is_late = self.took >= self.budget;
         if self.made < self.wanted && !is_late {
             return Ok(());
         }
-        let candidates: Vec<Candidate> = self.candidates.read(self.made as usize)?;
-        if candidates.iter().any(|candidate| candidate.brings > 0.0) {
+        let bootstrap: Vec<Candidate> = self.bootstrap.read(self.made as usize)?;
+        if bootstrap.iter().any(|sample| sample.brings > 0.0) {
             self.wanted = self.made;
-            return self.begin(&candidates);
+            return self.begin(&bootstrap);
         }
         if self.made < self.wanted {
             return Ok(()); // time or not, there is nothing to begin with
         }
         Err(Error::NothingFound(format!(
             "no light in {} paths: there is nothing to mutate; more :candidates of mlt may find some, or another technique",
-            candidates.len()
+            bootstrap.len()
         )))
     }
 
+    /// The share of bootstrap samples that are there; 1 once chains have begun.
+    fn start(&self) -> f64 {
+        self.made as f64 / self.wanted as f64
+    }
+
+    /// Chains begin with the bootstrap samples that are there by then, as long as any of them contributes.
+    fn set_time_budget(&mut self, budget: Duration) {
+        self.budget = budget;
+    }
+
+    /// Forgets where chains are.
+    fn restart(&mut self, seed: u32) -> Result<()> {
+        self.splats.restart()?;
+        self.offset = uniform(seed);
+        (self.made, self.wanted, self.took) = (0, self.size.bootstrap, Duration::ZERO);
+        (self.sum, self.bound) = (None, f64::INFINITY);
+        self.shares = self.size.shares();
+        self.describe_chains(0.0)
+    }
+
+    /// The bootstrap samples, and where each chain is. The table follows from them: it holds addresses, which are this process's own.
+    fn exchange(&mut self, stream: &mut StateStream, under_way: bool) -> Result<()> {
+        self.splats.exchange(stream, under_way)?;
+        stream.long(&mut self.made)?;
+        stream.long(&mut self.wanted)?;
+        stream.check(self.made <= self.wanted && self.wanted <= self.size.bootstrap, "a number of candidates")?;
+        for buffer in [&self.bootstrap, &self.states, &self.values, &self.numbers] {
+            stream.buffer(buffer)?;
+        }
+        if stream.restores() && self.made == self.wanted {
+            self.estimate_normalisation(&self.bootstrap.read(self.made as usize)?)?;
+        }
+        Ok(())
+    }
+
+    /// The mean over all independent paths over the one by which chains scaled their visits, which was of bootstrap samples alone.
+    fn film_scale(&self) -> Result<Option<FilmScale>> {
+        let (Some(brightness), Some(sum)) = (self.brightness()?, self.sum) else { return Ok(None) };
+        let scaled_by = f64::from((sum / self.made as f64) as f32);
+        Ok(Some(FilmScale { factor: brightness.mean / scaled_by, brightness }))
+    }
+}
+
+impl Chains {
+    fn new(gpu: &Gpu, settings: &Settings) -> Result<Self> {
+        let size = ChainSize::of(settings);
+        let [_, paths, bootstrap] = size.bytes();
+        let mut chains = Self {
+            splats: SplatPlanes::new(gpu, settings, SplatPlanes::several(settings))?,
+            paths_of_sample: paths_of_sample(settings) as u32,
+            pass: match settings.technique.value("form") {
+                Some("multiplexed") => MULTIPLEXED,
+                Some("paths") => PATHS,
+                _ => PRIMARY,
+            },
+            table: Buffer::zeroed(gpu, "chains", size_of::<ChainTable>() as u64)?,
+            kinds_shares: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
+            states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
+            values: Buffer::zeroed(gpu, "chains", size.chains * size.value_bytes_of_chain())?,
+            numbers: Buffer::new(gpu, paths.name, paths.bytes)?,
+            bootstrap: Buffer::new(gpu, bootstrap.name, bootstrap.bytes)?,
+            made: 0,
+            wanted: size.bootstrap,
+            pace: Pace::new(),
+            took: Duration::ZERO,
+            budget: Duration::MAX,
+            shares: Vec::new(),
+            bound_in_means: settings.technique.number("bound").unwrap_or_default(),
+            bound: f64::INFINITY,
+            sum: None,
+            squares: 0.0,
+            offset: 0.0,
+            size,
+        };
+        chains.restart(settings.seed)?;
+        Ok(chains)
+    }
+
     fn begin(&mut self, candidates: &[Candidate]) -> Result<()> {
-        let targets = self.take_stock(candidates)?;
+        let targets = self.estimate_normalisation(candidates)?;
         let starts: Vec<u32> = chosen(&targets, self.size.chains as usize, self.offset).collect();
-        // Chains that take part in one sample begin with candidates from all over the list, however many samples there will be.
+        // Chains that take part in one sample begin with bootstrap samples from all over the list, however many samples there will be.
         let (of_sample, turns) = (self.size.of_sample as usize, (self.size.chains / self.size.of_sample) as usize);
         let states: Vec<Chain> = (0..starts.len())
             .map(|chain| starts[chain % of_sample * turns + chain / of_sample])
@@ -271,9 +343,9 @@ impl Chains {
         self.states.upload(bytemuck::cast_slice(&states))
     }
 
-    /// What the candidates say of the target, its bound and its mean, and of the kinds. Returns the target of chains at each,
-    /// over the density of candidates.
-    fn take_stock(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
+    /// Estimates the normalisation of the target from bootstrap samples, its mean over the density of large steps, together with its bound
+    /// and the probabilities of kinds. Returns the target of chains at each sample, over the density of bootstrap samples.
+    fn estimate_normalisation(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
         let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
         // Large steps have those kinds that bring more, more often.
         let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
@@ -287,7 +359,7 @@ impl Chains {
         let (fixed, sum) = (self.size.shares(), shares.iter().sum::<f64>());
         shares.iter_mut().zip(&fixed).for_each(|(share, fixed)| *share = FIXED * fixed + (1.0 - FIXED) * *share / sum);
         self.shares = shares;
-        // How much likelier a large step makes this path than a candidate was to be it.
+        // How much likelier a large step makes this path than a bootstrap sample was to be it.
         let of_kind: Vec<f64> = self.shares.iter().zip(&fixed).map(|(share, fixed)| share / fixed).collect();
         let likelier = |candidate: &Candidate| {
             let Source { kind, by_last, .. } = Source::of(*candidate);
@@ -300,26 +372,12 @@ impl Chains {
         let mean = sum / candidates.len() as f64;
         (self.bound, self.sum) = (bound, Some(sum));
         self.squares = targets.iter().map(|target| (target - mean).powi(2)).sum();
-        self.describe(mean)?;
+        self.describe_chains(mean)?;
         Ok(targets)
     }
 
-    /// The candidates, and where each chain is. The table follows from the candidates: it holds addresses, which are this process's own.
-    pub fn transfer(&mut self, state: &mut State) -> Result<()> {
-        state.long(&mut self.made)?;
-        state.long(&mut self.wanted)?;
-        state.check(self.made <= self.wanted && self.wanted <= self.size.candidates, "a number of candidates")?;
-        for buffer in [&self.candidates, &self.states, &self.values, &self.numbers] {
-            state.buffer(buffer)?;
-        }
-        if state.restores() && self.made == self.wanted {
-            self.take_stock(&self.candidates.read(self.made as usize)?)?;
-        }
-        Ok(())
-    }
-
     /// Writes the table, with the probability of each kind.
-    fn describe(&self, mean: f64) -> Result<()> {
+    fn describe_chains(&self, mean: f64) -> Result<()> {
         let mut sum = 0.0;
         let mut cumulative: Vec<f32> = self
             .shares
@@ -335,7 +393,7 @@ impl Chains {
         self.kinds_shares.upload(bytemuck::cast_slice(&cumulative))?;
         let size = &self.size;
         let table = ChainTable {
-            candidates: address(self.candidates.address()),
+            candidates: address(self.bootstrap.address()),
             states: address(self.states.address()),
             values: address(self.values.address()),
             numbers: address(self.numbers.address()),
@@ -358,43 +416,36 @@ impl Chains {
     }
 
     /// The probability that a large step is of each kind.
-    pub fn shares(&self) -> Vec<f64> {
-        self.shares.clone()
+    pub fn shares(&self) -> &[f64] {
+        &self.shares
     }
 
-    /// What the target of chains comes to where paths bring much more than others, in the unit of [`Chain::brings`]; infinite before there
-    /// are any chains.
+    /// The bound K of the target of chains, in the unit of [`Chain::brings`]; infinite before there are any chains.
     pub fn bound(&self) -> f64 {
         self.bound
     }
 
-    /// The mean of the target over all independent paths so far, candidates and large steps: the image's brightness, under the bound. Its
-    /// variance is that of candidates, and of the sums of chains, whose large steps are the same number in the mean. Nothing before any.
-    pub fn brightness(&self) -> Result<Option<Estimate>> {
-        let Some(by_candidates) = self.sum else { return Ok(None) };
-        let candidates = self.made as f64;
+    /// The mean of the target over all independent paths so far, bootstrap samples and large steps: the image's brightness, under the bound.
+    /// Its variance is that of bootstrap samples, and of the sums of chains, whose large steps are the same number in the mean. Nothing
+    /// before there are any.
+    fn brightness(&self) -> Result<Option<Estimate>> {
+        let Some(by_bootstrap) = self.sum else { return Ok(None) };
+        let bootstrap = self.made as f64;
         let steps: Vec<(f64, f64)> = self
             .states()?
             .iter()
             .map(|chain| (f64::from(chain.sum) + f64::from(chain.sum_low), f64::from(chain.large_steps)))
             .collect();
-        let sum = by_candidates + steps.iter().map(|(sum, _)| sum).sum::<f64>();
-        let count = candidates + steps.iter().map(|(_, count)| count).sum::<f64>();
+        let sum = by_bootstrap + steps.iter().map(|(sum, _)| sum).sum::<f64>();
+        let count = bootstrap + steps.iter().map(|(_, count)| count).sum::<f64>();
         let mean = sum / count;
         // A ratio of two sums over what is independent (Cochran 1977, "Sampling techniques", section 2.11).
         let squares = self.squares + steps.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum::<f64>();
         Ok(Some(Estimate { mean, variance: squares / (count * count) }))
     }
-
-    /// What the film is to be multiplied by: that mean over the one by which chains scaled their visits, which was of candidates alone; 1
-    /// before any.
-    pub fn correction(&self, brightness: Option<Estimate>) -> f64 {
-        let scaled_by = self.sum.map(|sum| f64::from((sum / self.made as f64) as f32));
-        brightness.zip(scaled_by).map_or(1.0, |(brightness, scaled_by)| brightness.mean / scaled_by)
-    }
 }
 
-/// Where a candidate is from, as `candidate_source` of `shaders/techniques/metropolis/chains.glsl` packs it.
+/// Where a bootstrap sample is from, as `candidate_source` of `shaders/techniques/metropolis/chains.glsl` packs it.
 struct Source {
     kind: usize,
     /// The kind of large steps that made it.
@@ -419,18 +470,13 @@ fn divided(pixels: u64, most: u64) -> [u64; 3] {
     [(most / of_sample).max(1) * of_sample, of_sample, mutations]
 }
 
-/// A number among the technique's parameters; 0 where it has none of that name.
-fn number(technique: &Technique, name: &str) -> f64 {
-    technique.value(name).and_then(|text| text.parse().ok()).unwrap_or(0.0)
-}
-
-/// The target of chains at a path that brings this: about as much where that is far below the bound, and never more than the bound.
+/// The compressed target of chains at a path of this contribution: about as much where that is far below the bound, and never more than it.
 fn bounded(brings: f64, bound: f64) -> f64 {
     brings / (1.0 + brings / bound)
 }
 
-/// The bound that is so many times the mean of the target under it, over the paths that bring anything; `paths` is what each brings, and how
-/// much it counts. The mean is the target's so that the brightest paths do not raise the bound that is to hold them.
+/// The bound that is so many times the mean of the target under it, over the paths that contribute anything; `paths` is the contribution of
+/// each, and how much it counts. The mean is the target's so that the brightest paths do not raise the bound that is to hold them.
 fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
     let (values, weights): (Vec<f64>, Vec<f64>) = paths.filter(|(brings, _)| *brings > 0.0).unzip();
     let all: f64 = weights.iter().sum();
@@ -455,7 +501,7 @@ fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
     at
 }
 
-/// As many candidates as there are chains, each in proportion to the target: at equal distances along the sum of that, from `offset` of
+/// As many bootstrap samples as there are chains, each in proportion to the target: at equal distances along the sum of that, from `offset` of
 /// one on, which is uniform in 0..1 (systematic resampling, Kitagawa 1996).
 fn chosen(targets: &[f64], chains: usize, offset: f64) -> impl Iterator<Item = u32> {
     let total: f64 = targets.iter().sum();
@@ -484,7 +530,7 @@ fn uniform(seed: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Each candidate is chosen as often as its share of the sum asks for, to within one, and over many seeds exactly; what brings nothing
+    /// Each bootstrap sample is chosen as often as its share of the sum asks for, to within one, and over many seeds exactly; what contributes nothing
     /// never.
     #[test]
     fn chains_begin_in_proportion() {

@@ -5,8 +5,8 @@
 
 use std::cell::Cell;
 
+use super::super::technique::Technique;
 use crate::scene::Scene;
-use crate::techniques::Technique;
 
 /// Where the samples of one rendering stand among those of several that are to have one mean: sample `k` gets the radius of sample
 /// `first + k * stride`, times `scale`. So many renderings together shrink it as one long one would.
@@ -27,10 +27,10 @@ impl MergeSchedule {
 
 /// The radius of each sample.
 #[derive(Clone, Debug)]
-pub(super) struct MergeRadius {
+pub(in super::super) struct MergeRadius {
     /// Which of them a rendering's samples get.
     pub schedule: MergeSchedule,
-    /// Of the first one; 0 where the technique has no such thing.
+    /// Of the first sample.
     first: f64,
     alpha: f64,
     /// A sample with its square in squares of the first one: where the next one goes on from.
@@ -41,10 +41,7 @@ impl MergeRadius {
     /// By the technique's parameters `radius` and `alpha`, as a share of the radius of [`Scene::core`], with so many light paths in each
     /// sample. The more these are, the closer they lie: a radius that falls like the root of their number meets as many of them.
     pub fn of(technique: &Technique, scene: &Scene, light_paths: u32) -> Self {
-        let number = |name: &str| technique.value(name).and_then(|text| text.parse::<f64>().ok());
-        let (Some(radius), Some(alpha)) = (number("radius"), number("alpha")) else {
-            return Self::new(0.0, 1.0);
-        };
+        let [radius, alpha] = ["radius", "alpha"].map(|name| technique.number(name).unwrap_or_default());
         let share = if radius > 0.0 { radius } else { 1.0 / f64::from(light_paths.max(1)).sqrt() };
         Self::new(share * f64::from(scene.core().1), alpha)
     }
@@ -55,9 +52,6 @@ impl MergeRadius {
 
     /// Of the sample with this index: of that alone, so that it does not matter how a rendering is cut into frames.
     pub fn at(&self, sample: u32) -> f32 {
-        if self.first == 0.0 {
-            return 0.0; // most techniques: nothing to multiply up, frame after frame
-        }
         let MergeSchedule { first, stride, scale } = self.schedule;
         let sample = first.saturating_add(sample.saturating_mul(stride));
         let (mut from, mut factor) = self.known.get();

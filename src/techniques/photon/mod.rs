@@ -1,0 +1,67 @@
+//! Progressive photon mapping: the photons of one sample, and a grid to find them in.
+
+use super::light_paths::{LightPathSize, LightPathStore};
+use super::merging::{Grid, MergeRadius, MergeSchedule, merged_vertices};
+use super::settings::Settings;
+use super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
+use super::stream::StateStream;
+use super::table::Pass;
+use crate::error::Result;
+use crate::layout::{FrameConstants, PHOTONS_OF_PATH, Photon};
+use crate::scene::Scene;
+
+/// What photon mapping keeps.
+pub(super) struct PhotonMapping;
+
+fn light_paths(settings: &Settings) -> LightPathSize {
+    LightPathSize::of_sample(settings, merged_vertices(settings, PHOTONS_OF_PATH), size_of::<Photon>())
+}
+
+impl StateKind for PhotonMapping {
+    fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
+        let light_paths = light_paths(settings);
+        let [cells, places] = Grid::bytes(light_paths);
+        Ok(vec![light_paths.bytes(), cells, places])
+    }
+
+    fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
+        let size = light_paths(context.settings);
+        Ok(Box::new(PhotonMappingState {
+            light_paths: LightPathStore::new(context.gpu, size)?,
+            grid: Grid::new(context.gpu, size)?,
+            radius: MergeRadius::of(&context.settings.technique, context.scene, size.paths as u32),
+        }))
+    }
+}
+
+struct PhotonMappingState {
+    light_paths: LightPathStore,
+    grid: Grid,
+    radius: MergeRadius,
+}
+
+impl TechniqueState for PhotonMappingState {
+    fn describe(&self, sample: u32, constants: &mut FrameConstants) {
+        self.light_paths.describe(constants);
+        self.grid.describe(constants);
+        constants.light_path_count = self.light_paths.size.paths as u32;
+        constants.merge_radius = self.radius.at(sample);
+    }
+
+    fn limits(&self) -> FrameLimits {
+        self.grid.limits()
+    }
+
+    fn elements(&self, pass: &Pass) -> u32 {
+        self.grid.elements(pass)
+    }
+
+    fn set_merge_schedule(&mut self, schedule: MergeSchedule) {
+        self.radius.schedule = schedule;
+    }
+
+    fn exchange(&mut self, stream: &mut StateStream, under_way: bool) -> Result<()> {
+        self.light_paths.exchange(stream, under_way)?;
+        self.grid.exchange(stream, under_way)
+    }
+}
