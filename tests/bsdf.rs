@@ -9,6 +9,7 @@ use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Materia
 use lumbre::render::Probe;
 use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};
 use lumbre::verify::families::{FAMILIES, Family};
+use lumbre::verify::scattering::{self, Asked, both_ways, vector};
 
 const WHITE: [f32; 3] = [1.0; 3];
 /// A mirror that reflects everything: index 0 + i.
@@ -242,13 +243,13 @@ impl<'a> Bench<'a> {
         self.ask(&numbers.iter().map(ask).collect::<Vec<_>>())
     }
 
+    fn asked(&self, id: usize) -> Asked<'_> {
+        Asked { id, material: &self.cases[id].material, thin: self.cases[id].thin }
+    }
+
     fn numbers(&self, count: usize, seed: u32) -> Vec<[f32; 3]> {
         numbers(self.gpu, count, seed).into_iter().map(|[a, b, c, _]| [a, b, c]).collect()
     }
-}
-
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from(v.map(f64::from))
 }
 
 /// Where lobes of `wo` peak: the mirror direction on its side, the refracted one on the other.
@@ -378,30 +379,10 @@ fn bsdf_sample_eval_and_pdf_agree() {
     });
 }
 
-/// Mean weight, each channel's, with the radiance that crossed into a medium of index eta taken back to what it was; of each
-/// of these materials.
+/// The albedos of these materials, each channel's.
 fn albedos(bench: &Bench, materials: &[usize], wo: [f32; 3], numbers: &[[f32; 3]]) -> Vec<[f64; 3]> {
-    let queries: Vec<_> = materials
-        .iter()
-        .flat_map(|material| {
-            let material = *material as u32;
-            numbers.iter().map(move |u| BsdfQuery { material, wo, wi: [0.0, 0.0, 1.0], u: *u })
-        })
-        .collect();
-    let answers = bench.ask(&queries);
-    let albedo = |(material, answers): (&usize, &[BsdfAnswer])| {
-        let case = &bench.cases[*material];
-        let eta = f64::from(case.material.record.eta);
-        let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
-        let mut sum = [0.0; 3];
-        for answer in answers {
-            let crossed = case.transmits() && !case.thin && answer.sampled[2] * wo[2] < 0.0;
-            let factor = if crossed { eta * eta } else { 1.0 };
-            sum.iter_mut().zip(answer.weight).for_each(|(sum, weight)| *sum += f64::from(weight) * factor);
-        }
-        sum.map(|sum| sum / answers.len() as f64)
-    };
-    materials.iter().zip(answers.chunks(numbers.len())).map(albedo).collect()
+    let all: Vec<Asked> = materials.iter().map(|id| bench.asked(*id)).collect();
+    scattering::albedos(&bench.probe, &all, wo, numbers).unwrap()
 }
 
 fn albedo(bench: &Bench, material: usize, wo: [f32; 3], numbers: &[[f32; 3]]) -> [f64; 3] {
@@ -467,20 +448,7 @@ fn bsdfs_are_reciprocal() {
             let back = bench.ask(&pairs.iter().map(|(a, b)| ask(*b, *a)).collect::<Vec<_>>());
             let (mut worst, mut compared) = ((0.0f64, String::new()), 0);
             for (((a, b), there), back) in pairs.iter().zip(&there).zip(&back) {
-                let eta2 = f64::from(case.material.record.eta).powi(2);
-                for channel in 0..3 {
-                    // Of the BSDF itself: f |cos| over the cosine of the incident direction.
-                    let mut f = f64::from(there.value[channel]) / f64::from(b[2].abs());
-                    let mut g = f64::from(back.value[channel]) / f64::from(a[2].abs());
-                    if a[2] * b[2] < 0.0 && !case.thin {
-                        // Light that comes along b and leaves along a: f / eta_a^2 = g / eta_b^2, eta being the index of
-                        // the medium that a direction lies in: 1 above, the material's below.
-                        if b[2] < 0.0 {
-                            f *= eta2;
-                        } else {
-                            g *= eta2;
-                        }
-                    }
+                for [f, g] in both_ways(&bench.asked(material), *a, *b, there, back) {
                     if f.max(g) > 1e-4 {
                         compared += 1;
                         let difference = (f - g).abs() / f.max(g);

@@ -12,6 +12,8 @@ use lumbre::render::Probe;
 use lumbre::scene::light::{Falloff, Lamp};
 use lumbre::scene::{LightSelection, LoadOptions, Mesh, Scene, SceneBuilder, SurfaceDescription, load};
 use lumbre::statistics::{Estimate, sidak, two_sided_p};
+use lumbre::verify::expectations::polygon_irradiance;
+use lumbre::verify::scattering::vector;
 
 /// A light whose irradiance the host knows, occlusion aside.
 #[derive(Clone, Copy)]
@@ -70,16 +72,7 @@ impl Known {
                 if (b - a).cross(c - a).dot(p - a) <= 0.0 {
                     return Some(0.0);
                 }
-                let above = clipped(&[a - p, b - p, c - p], n);
-                // Lambert 1760: half the sum over edges of the angle they span times the cosine of their plane's normal.
-                let edges = (0..above.len()).map(|i| (above[i], above[(i + 1) % above.len()]));
-                let sum: f64 = edges
-                    .map(|(from, to)| {
-                        let normal = to.cross(from);
-                        if normal.length() == 0.0 { 0.0 } else { from.angle_between(to) * normal.normalize().dot(n) }
-                    })
-                    .sum();
-                0.5 * radiance * sum.abs()
+                radiance * polygon_irradiance(&[a, b, c], p, n)
             }
             Self::Sphere(centre, radius, radiance) => {
                 let d = centre - p;
@@ -99,22 +92,6 @@ impl Known {
             Self::Directional(direction, irradiance) => irradiance * (-direction.dot(n)).max(0.0),
         })
     }
-}
-
-/// The part of a polygon above the plane through the origin.
-fn clipped(polygon: &[DVec3], n: DVec3) -> Vec<DVec3> {
-    let mut above = Vec::new();
-    for (i, from) in polygon.iter().enumerate() {
-        let to = polygon[(i + 1) % polygon.len()];
-        let (h0, h1) = (from.dot(n), to.dot(n));
-        if h0 >= 0.0 {
-            above.push(*from);
-        }
-        if (h0 < 0.0) != (h1 < 0.0) {
-            above.push(*from + (to - *from) * (h0 / (h0 - h1)));
-        }
-    }
-    above
 }
 
 /// Numbers between 0 and 1 that look random (a linear congruence of Knuth's, upper bits).
@@ -184,10 +161,6 @@ impl Bench {
         let query = |u: &[f32; 4]| LightQuery { point, direction: [0.0, 0.0, 1.0], normal, u: *u };
         self.probe.run(&self.numbers.iter().map(query).collect::<Vec<_>>()).unwrap()
     }
-}
-
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from(v.map(f64::from))
 }
 
 /// Points among, beside and far from the lights, each with a normal.

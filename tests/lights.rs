@@ -13,6 +13,7 @@ use lumbre::render::Probe;
 use lumbre::scene::light::{Falloff, Lamp};
 use lumbre::scene::texture::{Pattern, TextureDescription, Wrap};
 use lumbre::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
+use lumbre::verify::scattering::vector;
 
 /// An image, as the host looks it up: bilinear, repeated across and, unless `clamp`, down.
 #[derive(Clone)]
@@ -397,10 +398,6 @@ impl Bench {
         };
         self.probe.run(&directions.map(ask).collect::<Vec<_>>()).unwrap()
     }
-}
-
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from(v.map(f64::from))
 }
 
 fn relative(a: f64, b: f64) -> f64 {

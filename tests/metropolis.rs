@@ -4,8 +4,8 @@
 
 use crate::common::room::{LAMP, room, scene};
 use crate::common::{
-    LargestZ, assert_same_mean, canon, films, has_time, largest_z, render, settings, tile_average, truth, verify,
-    with_gpu,
+    LargestZ, assert_same_mean, canon, film_of, films, has_time, largest_z, render, settings, tile_average, truth,
+    verify, with_gpu,
 };
 use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
@@ -61,45 +61,32 @@ fn agree(
     });
 }
 
+/// The means of a film's tiles, with the variance that it states.
+fn means(film: &Film) -> (u32, u32, Vec<[Estimate; 3]>) {
+    let (across, down) = (film.width.div_ceil(TILE), film.height.div_ceil(TILE));
+    let tile = |index: u32| {
+        let (x, y) = (index % across * TILE, index / across * TILE);
+        tile_average(film, x..(x + TILE).min(film.width), y..(y + TILE).min(film.height))
+    };
+    (across, down, (0..across * down).map(tile).collect())
+}
+
 /// A film whose pixels are the means of another one's tiles, with the variance that this one states.
 fn tiles(film: &Film) -> Film {
-    let (across, down) = (film.width.div_ceil(TILE), film.height.div_ceil(TILE));
-    let mut small = blank(across, down, 2);
-    for y in 0..down {
-        for x in 0..across {
-            let rows = y * TILE..((y + 1) * TILE).min(film.height);
-            let average = tile_average(film, x * TILE..((x + 1) * TILE).min(film.width), rows);
-            for (channel, Estimate { mean, variance }) in average.into_iter().enumerate() {
-                let pixel = (y * across + x) as usize;
-                // Two samples with that mean and that variance of it.
-                small.sums[pixel][channel] = 2.0 * mean;
-                small.squares[pixel][channel] = 2.0 * (mean * mean + variance);
-            }
-        }
-    }
-    small
+    let (across, down, means) = means(film);
+    film_of(across, down, &means)
 }
 
-/// A film whose samples are films' means of tiles.
+/// A film whose pixels are the means of films' tiles, with the variance that the films differ by.
 fn tiles_over(films: &[Film]) -> Film {
-    let all: Vec<Film> = films.iter().map(tiles).collect();
-    let mut sum = blank(all[0].width, all[0].height, films.len() as u64);
-    for film in &all {
-        for (pixel, value) in film.sums.iter().enumerate() {
-            for (channel, twice) in value.iter().enumerate() {
-                let x = twice / 2.0;
-                sum.sums[pixel][channel] += x;
-                sum.squares[pixel][channel] += x * x;
-            }
-        }
-    }
-    sum
-}
-
-fn blank(width: u32, height: u32, count: u64) -> Film {
-    let pixels = width as usize * height as usize;
-    let zero = vec![[0.0; 3]; pixels];
-    Film { width, height, counts: vec![count; pixels], sums: zero.clone(), squares: zero, ..Film::default() }
+    let all: Vec<_> = films.iter().map(means).collect();
+    let over = |tile: usize| {
+        std::array::from_fn(|channel| {
+            Estimate::of(&all.iter().map(|(_, _, means)| means[tile][channel].mean).collect::<Vec<f64>>())
+        })
+    };
+    let (across, down, first) = &all[0];
+    film_of(*across, *down, &(0..first.len()).map(over).collect::<Vec<_>>())
 }
 
 #[test]

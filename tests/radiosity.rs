@@ -5,7 +5,9 @@
 use std::f64::consts::PI;
 
 use crate::common::room::{LAMP, room, scene as mitsuba};
-use crate::common::{average, backends, backends_in_time, canon, render, settings, truth, with_gpu};
+use crate::common::{
+    assert_off, assert_within, average, backends, backends_in_time, canon, render, settings, truth, with_gpu,
+};
 use glam::{DAffine3, DVec3};
 use lumbre::gpu::Gpu;
 use lumbre::image::metrics::compare;
@@ -15,6 +17,7 @@ use lumbre::render::{Prediction, Renderer, Settings, Technique};
 use lumbre::scene::light::Lamp;
 use lumbre::scene::{Camera, Mesh, Scene, SceneBuilder, SurfaceDescription, material};
 use lumbre::techniques::{PatchReport, Radiosity};
+use lumbre::verify::Figure;
 
 fn film(gpu: &Gpu, scene: &Scene, technique: &str, size: u32, seed: u32, spp: u32) -> Film {
     let settings = Settings { width: size, height: size, seed, ..settings(scene, technique, Backend::Bvh) };
@@ -40,16 +43,9 @@ fn looking_at_the_middle(mut builder: SceneBuilder) -> Scene {
     builder.finish().unwrap()
 }
 
-/// Largest difference of an image's mean from that of another, over the latter, of the three channels.
-fn off(found: &Film, truth: &Film) -> f64 {
-    let ratios = average(found).into_iter().zip(average(truth)).filter(|(_, truth)| truth.mean > 0.0);
-    let off = ratios.map(|(found, truth)| found.mean / truth.mean - 1.0);
-    off.fold(0.0, |worst: f64, off| if off.abs() > worst.abs() { off } else { worst })
-}
-
-fn assert_off(what: &str, off: f64, bound: f64) {
-    println!("{what}: off by {:+.4} %, bound {:.2} %", 100.0 * off, 100.0 * bound);
-    assert!(off.abs() < bound, "{what}: off by {off}, bound {bound}");
+/// Holds a share by which something is off against its bound.
+fn assert_share(what: &str, off: f64, bound: f64) {
+    assert_within(&Figure::at_most(what, "off", off.abs(), bound));
 }
 
 /// The inside of the unit cube, a surface for each face; of the first two, one is opposite the other.
@@ -92,7 +88,7 @@ fn form_factors_of_the_cube() {
                 }
             }
             println!("{solver}: opposite {:.6}, adjacent {:.6}", found.form_factors[0][1], found.form_factors[0][2]);
-            assert_off(&format!("faces of the cube, {solver}"), worst, if solver == "gather" { 1e-3 } else { 3e-3 });
+            assert_share(&format!("faces of the cube, {solver}"), worst, if solver == "gather" { 1e-3 } else { 3e-3 });
             assert!(found.row_sums.iter().all(|sum| *sum > 0.9999), "closed: {:?}", found.row_sums);
             let bound = if solver == "gather" { 2e-4 } else { 1e-3 };
             assert!(found.reciprocity.unwrap() < bound, "{:?}", found.reciprocity);
@@ -125,7 +121,7 @@ fn form_factors_in_closed_form() {
             let found = report(gpu, &scene, &format!("radiosity:patches={patches}:rays=128:shown=patches"), 64)
                 .form_factors[0][1];
             println!("{what}: {found:.6} against {expected:.6}");
-            assert_off(what, found / expected - 1.0, 1e-3);
+            assert_share(what, found / expected - 1.0, 1e-3);
         };
         for (r1, r2, h) in [(1.0, 1.0, 1.0), (0.5, 1.0, 0.7)] {
             let mut builder = SceneBuilder::new("disks");
@@ -171,7 +167,7 @@ fn furnaces_are_exact() {
                 let film = render(gpu, &scene, &settings, 64);
                 for (channel, r) in [0.5f64, 0.25, 0.75].into_iter().enumerate() {
                     let what = format!("{name}, {technique} on {}, channel {channel}", backend.name());
-                    assert_off(&what, average(&film)[channel].mean * (1.0 - r) - 1.0, 1e-5);
+                    assert_share(&what, average(&film)[channel].mean * (1.0 - r) - 1.0, 1e-5);
                     for layer in 0..LAYERS {
                         let last = if layer + 1 == LAYERS { 1.0 - r } else { 1.0 };
                         let expected = r.powi(layer as i32) / last;
@@ -206,16 +202,16 @@ fn cube_with_a_point_light() {
                 average(&render(gpu, &scene, &settings, spp))[0].mean / expected - 1.0
             };
             let gathered = at("radiosity:patches=64:rays=2:shown=gathered", 64);
-            assert_off(&format!("{camera}, gathered from 64 x 64 patches"), gathered, 5e-3);
+            assert_share(&format!("{camera}, gathered from 64 x 64 patches"), gathered, 5e-3);
             let rim = matches!(camera, "edge" | "edge_quarter" | "corner");
             if matches!(camera, "quarter" | "diagonal" | "edge_quarter") {
                 continue; // docs/radiosity.md has them
             }
             let shown = at(&format!("radiosity:patches=64:rays={}:shown=vertices", if rim { 12 } else { 4 }), 64);
-            assert_off(&format!("{camera}, interpolated on 64 x 64 patches"), shown, if rim { 0.04 } else { 5e-3 });
+            assert_share(&format!("{camera}, interpolated on 64 x 64 patches"), shown, if rim { 0.04 } else { 5e-3 });
             if rim {
                 let coarse = at("radiosity:patches=16:rays=64:shown=vertices", 64);
-                assert_off(&format!("{camera}, interpolated on 16 x 16 patches"), coarse, 0.15);
+                assert_share(&format!("{camera}, interpolated on 16 x 16 patches"), coarse, 0.15);
                 assert!(shown < 0.7 * coarse, "{camera}: it does not converge as patches shrink");
             }
         }
@@ -241,10 +237,10 @@ fn inside_a_sphere() {
             let settings = Settings { width: 32, height: 32, lengths: 3, ..settings(&scene, &technique, Backend::Bvh) };
             let indirect = render(gpu, &scene, &settings, 64).length(2);
             let mean = indirect.average()[0];
-            assert_off(&format!("what is scattered inside a sphere, {solver}"), mean / expected - 1.0, 2e-3);
+            assert_share(&format!("what is scattered inside a sphere, {solver}"), mean / expected - 1.0, 2e-3);
             let far =
                 indirect.pixels.iter().map(|pixel| (f64::from(pixel[0]) / expected - 1.0).abs()).fold(0.0, f64::max);
-            assert_off("the pixel that is farthest off", far, 0.05);
+            assert_share("the pixel that is farthest off", far, 0.05);
         }
     });
 }
@@ -265,12 +261,12 @@ fn cornell_has_the_energy_of_path() {
             "adaptive=0.1:solver=shoot",
         ] {
             let found = film(gpu, &scene, &format!("radiosity:{technique}"), 64, 1, 128);
-            assert_off(&format!("cornell, radiosity:{technique}"), off(&found, &truth), 0.01);
+            assert_off(&format!("cornell, radiosity:{technique}"), &found, &truth, 0.01);
         }
         for backend in backends(gpu).into_iter().filter(|backend| *backend != Backend::Bvh) {
             let settings = Settings { width: 64, height: 64, ..settings(&scene, "radiosity", backend) };
             let found = render(gpu, &scene, &settings, 128);
-            assert_off(&format!("cornell on {}", backend.name()), off(&found, &truth), 0.01);
+            assert_off(&format!("cornell on {}", backend.name()), &found, &truth, 0.01);
         }
     });
 }
@@ -323,7 +319,7 @@ fn lengths_are_those_of_path() {
                     if truth == 0.0 {
                         assert_eq!(found, 0.0, "{what}");
                     } else {
-                        assert_off(&what, found / truth - 1.0, 0.02);
+                        assert_share(&what, found / truth - 1.0, 0.02);
                     }
                 }
             }
@@ -408,7 +404,7 @@ fn every_light() {
             let truth = film(gpu, &scene, "path", 64, 1000, 1024);
             for technique in ["shown=gathered", "solver=shoot:patches=48:rays=4"] {
                 let found = film(gpu, &scene, &format!("radiosity:{technique}"), 64, 1, 128);
-                assert_off(&format!("{name}, radiosity:{technique}"), off(&found, &truth), 0.01);
+                assert_off(&format!("{name}, radiosity:{technique}"), &found, &truth, 0.01);
             }
         }
     });
@@ -426,7 +422,7 @@ fn other_materials_are_named() {
         let found = film(gpu, &scene, "radiosity", 64, 1, 64);
         let truth = film(gpu, &scene, "path", 64, 1000, 1024);
         // White balls instead of glass and metal: not the same picture, but next to the same light.
-        assert_off("cornell_spheres", off(&found, &truth), 0.25);
+        assert_off("cornell_spheres", &found, &truth, 0.25);
     });
 }
 

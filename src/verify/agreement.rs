@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3, Vec2};
 
+use super::comparison::{average, tile_average};
 use super::figure::Figure;
 use super::geometry::{lamp, look};
 use super::{Run, room};
@@ -13,7 +14,6 @@ use crate::scene::material::{self, MaterialDescription};
 use crate::scene::texture::{Pattern, TextureDescription};
 use crate::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
 use crate::statistics::Estimate;
-use crate::verify::tiles::{average, tile_average};
 
 /// A floor of side 6 with bumps or with normals from an image.
 fn uneven_floor(builder: &mut SceneBuilder, texels: Vec<[f32; 4]>, side: u32, is_bump: bool, albedo: [f32; 3]) {

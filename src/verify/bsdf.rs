@@ -9,6 +9,7 @@ use super::families::FAMILIES;
 use super::figure::{Figure, Worst};
 use super::geometry::Random;
 use super::sampling::{Rings, chi_square_z, direction, spread};
+use super::scattering::{Asked, albedos, both_ways, vector};
 use crate::error::Result;
 use crate::layout::{BsdfAnswer, BsdfQuery, MASKING_CORRELATED};
 use crate::render::Probe;
@@ -38,38 +39,9 @@ fn glass(alpha: Option<f32>) -> MaterialDescription {
     material::dielectric(1.5, WHITE, WHITE, alpha.map(|alpha| [alpha; 2])).into()
 }
 
-fn vector(v: [f32; 3]) -> DVec3 {
-    DVec3::from(v.map(f64::from))
-}
-
-/// Mean weight of the first channel of all these materials, of which `first` is the first one's place; radiance that crossed into a medium
-/// is taken back to what it was.
-fn albedos(
-    probe: &Probe,
-    first: usize,
-    all: &[MaterialDescription],
-    thin: bool,
-    wo: [f32; 3],
-    u: &[[f32; 3]],
-) -> Result<Vec<f64>> {
-    let ask = |id: usize, u: &[f32; 3]| BsdfQuery { material: id as u32, wo, wi: [0.0, 0.0, 1.0], u: *u };
-    let queries: Vec<_> = (first..first + all.len()).flat_map(|id| u.iter().map(move |u| ask(id, u))).collect();
-    let answers: Vec<BsdfAnswer> = probe.run(&queries)?;
-    let of = |(material, answers): (&MaterialDescription, &[BsdfAnswer])| {
-        let eta = f64::from(material.record.eta);
-        let eta = if wo[2] > 0.0 { eta } else { 1.0 / eta };
-        let factor = |answer: &BsdfAnswer| {
-            let crossed = material.transmits() && !thin && answer.sampled[2] * wo[2] < 0.0;
-            if crossed { eta * eta } else { 1.0 }
-        };
-        answers.iter().map(|answer| f64::from(answer.weight[0]) * factor(answer)).sum::<f64>() / u.len() as f64
-    };
-    Ok(all.iter().zip(answers.chunks(u.len())).map(of).collect())
-}
-
-/// The same of one material.
+/// Albedo of one material, the first channel.
 fn albedo(probe: &Probe, id: usize, of: &MaterialDescription, wo: [f32; 3], u: &[[f32; 3]]) -> Result<f64> {
-    Ok(albedos(probe, id, std::slice::from_ref(of), false, wo, u)?[0])
+    Ok(albedos(probe, &[Asked { id, material: of, thin: false }], wo, u)?[0][0])
 }
 
 /// GGX of alpha 10^-5 to 1 under cosines of 10^-3 to 1: samples against densities, and the step to what is smooth.
@@ -187,8 +159,10 @@ pub(super) fn energy(run: &mut Run) -> Result<()> {
         let u = if name.starts_with("compensated") { &many } else { &few };
         for cos in COSINES.into_iter().chain(COSINES.map(|cos| -cos)).filter(|cos| *cos > 0.0 || transmits) {
             let (first, thin) = (index * steps, *name == "layered wall");
-            let found = albedos(&probe, first, &materials[first..first + steps], thin, direction(cos, 0.7), u)?;
-            for (step, found) in found.into_iter().enumerate() {
+            let all: Vec<Asked> =
+                (first..first + steps).map(|id| Asked { id, material: &materials[id], thin }).collect();
+            let found = albedos(&probe, &all, direction(cos, 0.7), u)?.into_iter().map(|[first, ..]| first);
+            for (step, found) in found.enumerate() {
                 let place = || format!("roughness {}, cosine {cos}: albedo {found:.5}", roughness(step));
                 most.see(found, place);
                 off.see((found - 1.0).abs(), place);
@@ -217,7 +191,7 @@ pub(super) fn reciprocity(run: &mut Run) -> Result<()> {
         for (step, rough) in roughness.iter().enumerate() {
             let id = index * roughness.len() + step;
             let (of, thin) = (&materials[id], *name == "layered wall");
-            let eta2 = f64::from(of.record.eta).powi(2);
+            let asked = Asked { id, material: of, thin };
             let mut pairs: Vec<[[f32; 3]; 2]> = (0..run.pick(20_000, 4000))
                 .map(|_| [0; 2].map(|_| direction(2.0 * random.next() as f32 - 1.0, TAU as f32 * random.next() as f32)))
                 .collect();
@@ -226,12 +200,7 @@ pub(super) fn reciprocity(run: &mut Run) -> Result<()> {
             let there: Vec<BsdfAnswer> = probe.run(&pairs.iter().map(|[a, b]| ask(*a, *b)).collect::<Vec<_>>())?;
             let back: Vec<BsdfAnswer> = probe.run(&pairs.iter().map(|[a, b]| ask(*b, *a)).collect::<Vec<_>>())?;
             for (([a, b], there), back) in pairs.iter().zip(&there).zip(&back) {
-                // Of the BSDF itself: f |cos| over the cosine of the incident direction.
-                let mut f = f64::from(there.value[0]) / f64::from(b[2].abs());
-                let mut g = f64::from(back.value[0]) / f64::from(a[2].abs());
-                if a[2] * b[2] < 0.0 && !thin {
-                    if b[2] < 0.0 { f *= eta2 } else { g *= eta2 }
-                }
+                let [[f, g], ..] = both_ways(&asked, *a, *b, there, back);
                 if f.max(g) > 1e-4 {
                     compared += 1;
                     worst.see((f - g).abs() / f.max(g), || format!("roughness {rough}, {a:?} {b:?}: {f} against {g}"));

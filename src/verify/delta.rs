@@ -3,13 +3,13 @@
 use glam::{DAffine3, DVec3};
 
 use super::Run;
+use super::comparison::average;
 use super::figure::Figure;
 use super::geometry::{closed_cube, inside_out, look};
 use crate::error::Result;
 use crate::render::Settings;
 use crate::scene::material::{self, MaterialDescription};
 use crate::scene::{Scene, SceneBuilder, SurfaceDescription};
-use crate::verify::tiles::average;
 
 fn surface(builder: &mut SceneBuilder, material: impl Into<MaterialDescription>, emission: f64) -> usize {
     let front = Some(builder.material(material));

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
 
+use super::expectations::{polygon_irradiance, triangle_solid_angle};
 use super::figure::{Figure, Worst};
 use super::formulas::patch_under;
 use super::geometry::{lamp, polygon};
@@ -111,31 +112,6 @@ pub(super) fn suns(run: &mut Run) -> Result<()> {
     patch(run, "one texel of a sky", &scene, expected, run.pick(4000, 1500))
 }
 
-/// Irradiance at `p` of a polygon of radiance 1 above the horizon of normal `n` (Lambert 1760).
-fn lambert(corners: &[DVec3], p: DVec3, n: DVec3) -> f64 {
-    // The part above the horizon, cut there (Sutherland and Hodgman 1974).
-    let mut above = Vec::new();
-    for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-        let (ha, hb) = ((*a - p).dot(n), (*b - p).dot(n));
-        if ha >= 0.0 {
-            above.push((*a - p).normalize());
-        }
-        if ha * hb < 0.0 {
-            above.push((a.lerp(*b, ha / (ha - hb)) - p).normalize());
-        }
-    }
-    let edges = above.iter().zip(above.iter().cycle().skip(1));
-    let sum: f64 =
-        edges.map(|(a, b)| a.cross(*b).length().atan2(a.dot(*b)) * a.cross(*b).normalize_or_zero().dot(n)).sum();
-    0.5 * sum.abs()
-}
-
-/// Solid angle of a triangle (van Oosterom and Strackee 1983).
-fn solid_angle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    let [a, b, c] = [a, b, c].map(DVec3::normalize);
-    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
-}
-
 /// Squares of solid angles from 1e-10 to 6.28, across the switch between ways of sampling.
 pub(super) fn small_and_far(run: &mut Run) -> Result<()> {
     let v = DVec3::new;
@@ -156,8 +132,8 @@ pub(super) fn small_and_far(run: &mut Run) -> Result<()> {
             let point = v(0.3 + aside * distance, -0.2, -distance);
             let normal = v(0.2, -0.1, 1.0).normalize();
             let [a, b, c, d] = corners.map(|corner| corner - point);
-            let omega = solid_angle(a, b, c) + solid_angle(a, c, d);
-            let expected = lambert(&corners, point, normal);
+            let omega = triangle_solid_angle(a, b, c) + triangle_solid_angle(a, c, d);
+            let expected = polygon_irradiance(&corners, point, normal);
             let from = (point - scene.origin).as_vec3().to_array();
             let ask = |u: &[f32; 4]| LightQuery { point: from, direction: [0.0, 0.0, 1.0], normal: [0.0; 3], u: *u };
             let answers: Vec<LightAnswer> = probe.run(&numbers.iter().map(ask).collect::<Vec<_>>())?;

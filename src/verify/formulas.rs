@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DAffine3, DVec3};
 
 use super::Run;
+use super::expectations::polygon_irradiance;
 use super::geometry::{closed_cube, inside_out, lamp, look, polygon};
 use crate::error::Result;
 use crate::image::{Texels, TextureImage};
@@ -26,14 +27,6 @@ pub(super) fn patch_under(emitter: impl FnOnce(&mut SceneBuilder, usize)) -> Res
         look(&mut builder, 16, DVec3::new(0.0, 0.4, 0.3), DVec3::ZERO, fov)?;
     }
     builder.finish()
-}
-
-/// Irradiance at the origin, on a surface facing +y, from a polygon of radiance 1 (Lambert 1760; Baum, Rushmeier and Winget
-/// 1989): E = 1/2 sum of the edges' angles times the vertical part of their planes' normals.
-fn lambert(corners: &[DVec3]) -> f64 {
-    let next = corners.iter().cycle().skip(1);
-    let sum: f64 = corners.iter().zip(next).map(|(a, b)| a.angle_between(*b) * a.cross(*b).normalize().y).sum();
-    0.5 * sum.abs()
 }
 
 /// Every technique, and every way of direct lighting, gives radiance albedo / pi times the irradiance.
@@ -71,7 +64,7 @@ pub(super) fn emitters(run: &mut Run) -> Result<()> {
     let last = corners[3] - normal * normal.dot(corners[3] - corners[0]);
     let corners = [corners[0], corners[1], corners[2], last];
     let scene = patch_under(|builder, surface| polygon(builder, &corners, surface))?;
-    irradiance(run, "polygon", &scene, lambert(&corners))?;
+    irradiance(run, "polygon", &scene, polygon_irradiance(&corners, DVec3::ZERO, DVec3::Y))?;
     // E = pi L R^2 / (R^2 + h^2); a polygon of 512 corners has 2.5e-5 less.
     let (radius, height) = (0.7, 1.1);
     let angle = |index: i32| 2.0 * PI * f64::from(index) / 512.0;

@@ -4,16 +4,16 @@
 use glam::{DAffine3, DVec3};
 
 use super::Run;
+use super::comparison::average;
+use super::comparison::differing;
 use super::figure::{Figure, Worst};
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, look};
-use super::run::differing;
 use crate::error::Result;
 use crate::layout::backend::Backend;
 use crate::render::Settings;
 use crate::scene::{Mesh, Scene, SceneBuilder};
 use crate::statistics::Estimate;
 use crate::techniques::Solves;
-use crate::verify::tiles::average;
 
 /// One albedo for each channel; radiances of 2, 4/3 and 4.
 const ALBEDO: [f32; 3] = [0.5, 0.25, 0.75];

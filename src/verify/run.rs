@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::comparison::{self, average, oddest_pixel};
 use super::figure::Figure;
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -10,9 +11,8 @@ use crate::layout::backend::Backend;
 use crate::render::film::Film;
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
-use crate::statistics::{Estimate, sidak, two_sided_p};
+use crate::statistics::{Estimate, sidak};
 use crate::techniques::{Bias, Kept, Solves, TECHNIQUES, TechniqueRow};
-use crate::verify::tiles::{LargestZ, average, largest_z};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,55 +199,14 @@ impl<'a> Run<'a> {
         share: f64,
         worst: String,
     ) {
-        let sigma = found.variance.sqrt() / expected.abs();
-        let figure = Figure::relative(technique, what, found.mean, expected, share.max(3.0 * sigma)).worst(worst);
-        if sigma < (10.0 * share / 3.0).max(3.4e-3) {
-            self.note(figure);
-        } else {
-            let place = format!("standard deviation {sigma:.1e}: too few samples to tell");
-            self.note(
-                Figure { figure: f64::NAN, ..Figure::relative(technique, what, f64::NAN, expected, share) }
-                    .worst(place),
-            );
-        }
+        self.note(comparison::mean(technique, what, found, expected, share, worst));
     }
 
     /// Holds two films of the same scene against each other: the largest z of all tiles and channels at the 1 % level of all together
     /// (Sidak), and that of the whole image.
     pub(super) fn same(&mut self, technique: &str, what: &str, a: &Film, b: &Film, tile: u32) {
-        let LargestZ { z, place, count } = largest_z(a, b, tile);
-        let what_of_tiles = format!("{what}: largest |z| of {count} tiles and channels");
-        self.note(Figure::at_most(technique, what_of_tiles, z.abs(), z_at(0.01, count)).worst(place));
-        let whole = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b).abs()).fold(0.0, f64::max);
-        self.note(Figure::at_most(technique, format!("{what}: |z| of the whole image"), whole, z_at(1e-3, 3)));
+        comparison::same_mean(technique, what, a, b, tile, sidak(1e-3, 3))
+            .into_iter()
+            .for_each(|figure| self.note(figure));
     }
-}
-
-/// The deviation that one of `count` tests exceeds with probability `alpha` for all together.
-fn z_at(alpha: f64, count: usize) -> f64 {
-    let p = sidak(alpha, count);
-    let (mut low, mut high) = (0.0, 20.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if two_sided_p(middle) > p { low = middle } else { high = middle }
-    }
-    high
-}
-
-/// Pixels whose sums are not the same bits.
-pub(super) fn differing(a: &Film, b: &Film) -> f64 {
-    a.sums.iter().zip(&b.sums).filter(|(a, b)| a != b).count() as f64
-}
-
-/// The pixel that is farthest from the mean of all, for its noise.
-fn oddest_pixel(film: &Film, channel: usize) -> String {
-    let (mean, variance) = (film.mean(), film.mean_variance());
-    let all = film.average()[channel];
-    let off = |pixel: usize| {
-        let deviation = f64::from(variance.pixels[pixel][channel]).sqrt().max(1e-6 * all.abs()).max(1e-30);
-        (f64::from(mean.pixels[pixel][channel]) - all).abs() / deviation
-    };
-    let odd = (0..mean.pixels.len()).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
-    let (x, y) = (odd as u32 % film.width.max(1), odd as u32 / film.width.max(1));
-    format!("pixel ({x}, {y}): {:.5}, {:.1} standard deviations off the mean", mean.pixels[odd][channel], off(odd))
 }

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 
+use super::comparison::average;
+use super::comparison::differing;
 use super::figure::{Figure, Worst};
 use super::geometry::{lamp, look};
-use super::run::differing;
 use super::{Run, room};
 use crate::error::Result;
 use crate::image::{Image, Picture, read_image, write_picture};
@@ -12,7 +13,6 @@ use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Scene, SceneBuilder};
 use crate::techniques::{Kept, TECHNIQUES, TechniqueRow};
-use crate::verify::tiles::average;
 
 /// A light that fills the image.
 fn light(size: u32, emission: [f64; 3]) -> Result<Scene> {

@@ -19,9 +19,9 @@ use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::{LoadOptions, Scene};
-use lumbre::statistics::{Estimate, sidak, two_sided_p};
-pub use lumbre::verify::tiles::{LargestZ, average, largest_z, tile_average};
-use lumbre::verify::{Effort, Verdict};
+use lumbre::statistics::Estimate;
+pub use lumbre::verify::comparison::{LargestZ, average, largest_off, largest_z, tile_average};
+use lumbre::verify::{Effort, Figure, Verdict, comparison};
 
 /// The devices that no test has at the moment, and how many there are in all.
 struct Pool {
@@ -179,27 +179,39 @@ pub fn films(gpu: &Gpu, scene: &Scene, settings: &Settings, seeds: u32, spp: u32
     (settings.seed..settings.seed + seeds).map(film).collect()
 }
 
+/// Prints a figure, and fails unless it is within its bound.
+pub fn assert_within(figure: &Figure) {
+    println!("{figure:?}");
+    assert!(figure.verdict == Verdict::Pass, "{figure:?}");
+}
+
 /// Fails unless the measured mean is within 0.1 % of the expected value or three standard deviations, whichever is more.
-/// Prints both. The measurement must be able to see 1 %.
+/// The measurement must be able to see 1 %.
 pub fn assert_mean(what: &str, measured: Estimate, expected: f64) {
-    let sigma = measured.variance.sqrt();
-    let bound = (1e-3 * expected.abs()).max(3.0 * sigma);
-    let error = measured.mean - expected;
-    println!(
-        "{what}: {:.5} against {expected:.5}, off by {error:+.2e}, bound {bound:.2e} (sigma {sigma:.1e})",
-        measured.mean
-    );
-    assert!(sigma < 3.4e-3 * expected.abs(), "{what}: sigma {sigma} is too coarse for {expected}: take more samples");
-    assert!(error.abs() <= bound, "{what}: {} against {expected}: off by {error}, bound {bound}", measured.mean);
+    assert_within(&comparison::mean(what, "mean", measured, expected, 1e-3, ""));
 }
 
 /// Compares two films of the same scene tile by tile: a z-test of each tile and channel, Sidak-corrected, and one of the
-/// whole image. Prints the largest z and the p-value it has among all tiles.
+/// whole image, three channels, each at a third of the 0.1 % level.
 pub fn assert_same_mean(what: &str, a: &Film, b: &Film, tile: u32) {
-    let LargestZ { z, place, count } = largest_z(a, b, tile);
-    let whole: Vec<f64> = average(a).iter().zip(&average(b)).map(|(a, b)| a.z(b)).collect();
-    println!("{what}: largest z of {count} is {z:.2} at {place}; of the whole image {whole:.2?}");
-    assert!(two_sided_p(z) > sidak(0.01, count), "{what}: z = {z:.2} at {place}");
-    // Three channels, each at the 0.1 % level.
-    assert!(whole.iter().all(|z| two_sided_p(*z) > 1e-3 / 3.0), "{what}: the whole image differs, z = {whole:?}");
+    comparison::same_mean(what, "mean", a, b, tile, 1e-3 / 3.0).iter().for_each(assert_within);
+}
+
+/// Fails unless a film's mean is within this share of another one's, in each channel that has light.
+pub fn assert_off(what: &str, found: &Film, truth: &Film, bound: f64) {
+    let off = largest_off(found, truth, 0..found.width, 0..found.height);
+    assert_within(&Figure::at_most(what, "mean off", off.abs(), bound));
+}
+
+/// A film of two samples per pixel whose means are these, with these variances of them.
+pub fn film_of(width: u32, height: u32, pixels: &[[Estimate; 3]]) -> Film {
+    let all = |value: fn(&Estimate) -> f64| pixels.iter().map(|pixel| pixel.each_ref().map(value)).collect();
+    Film {
+        width,
+        height,
+        counts: vec![2; pixels.len()],
+        sums: all(|of| 2.0 * of.mean),
+        squares: all(|of| 2.0 * (of.mean * of.mean + of.variance)),
+        ..Film::default()
+    }
 }

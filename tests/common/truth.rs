@@ -11,6 +11,7 @@ use lumbre::image::{Image, NamedLayer, Picture, read_image, read_layer, write_pi
 use lumbre::render::Settings;
 use lumbre::render::film::Film;
 use lumbre::scene::Scene;
+use lumbre::statistics::Estimate;
 
 const VARIANCE: &str = "variance";
 
@@ -18,19 +19,13 @@ fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/truths").join(format!("{name}.exr"))
 }
 
-/// A film of two samples per pixel with these means and variances of the mean.
+/// A film with these means and variances of them.
 fn of(mean: &Image, variance: &Image) -> Film {
-    let pixels = || mean.pixels.iter().zip(&variance.pixels);
-    let double = |values: [f32; 3]| values.map(f64::from);
-    let squares = |m: [f64; 3], v: [f64; 3]| [0, 1, 2].map(|channel| 2.0 * (m[channel] * m[channel] + v[channel]));
-    Film {
-        width: mean.width,
-        height: mean.height,
-        counts: vec![2; mean.pixels.len()],
-        sums: pixels().map(|(mean, _)| double(*mean).map(|value| 2.0 * value)).collect(),
-        squares: pixels().map(|(mean, variance)| squares(double(*mean), double(*variance))).collect(),
-        ..Film::default()
-    }
+    let estimate = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+        [0, 1, 2].map(|channel| Estimate { mean: mean[channel].into(), variance: variance[channel].into() })
+    };
+    let pixels: Vec<[Estimate; 3]> = mean.pixels.iter().zip(&variance.pixels).map(estimate).collect();
+    super::film_of(mean.width, mean.height, &pixels)
 }
 
 /// The image of a scene with these settings after so many samples, of which the file tells mean and variance.
