@@ -11,8 +11,7 @@ use lumbre::image::metrics::{Comparison, compare, heat_map, heat_scale, same_siz
 use lumbre::image::{Format, Picture, format_of, read_image, write_picture};
 use lumbre::reference::{Certificate, Truth, read, read_certificate};
 
-use super::print;
-use super::render::write_json;
+use super::output::{print, write_json};
 
 #[derive(Args)]
 pub(super) struct CompareArgs {

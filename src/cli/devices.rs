@@ -5,7 +5,7 @@ use clap::Args;
 use lumbre::error::{Bytes, Error, Result};
 use lumbre::gpu::Instance;
 
-use super::print;
+use super::output::print;
 
 #[derive(Args)]
 pub(super) struct DevicesArgs {

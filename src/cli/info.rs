@@ -13,8 +13,8 @@ use lumbre::render::{KernelSize, Prediction, Settings, Technique, kernel_sizes};
 use lumbre::scene::Scene;
 use lumbre::techniques::TECHNIQUES;
 
-use super::render::{check_json, parse_size, write_json};
-use super::{DeviceArgs, SceneArgs, print, print_warnings};
+use super::args::{DeviceArgs, SceneArgs, parse_size};
+use super::output::{check_json, print, print_warnings, write_json};
 use census::{Census, Memory};
 
 #[derive(Args)]

@@ -10,9 +10,10 @@ use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
 use lumbre::lecture::{Circumstances, Lab, Place, Scale, choose, write};
 
-use super::bench::host;
-use super::render::listen_for_interrupts;
-use super::{DeviceArgs, choose_backend, print};
+use super::args::{DeviceArgs, choose_backend};
+use super::host;
+use super::interrupt::listen_for_interrupts;
+use super::output::print;
 
 #[derive(Args)]
 pub(super) struct LectureArgs {

@@ -7,7 +7,7 @@ use lumbre::layout::backend::BACKENDS;
 use lumbre::techniques::{Bias, Parameter, SAMPLERS, TECHNIQUES, TechniqueRow, Values};
 
 use super::markdown::{Table, code};
-use super::print;
+use super::output::print;
 
 /// Where text begins, beside names.
 const INDENT: usize = 15;

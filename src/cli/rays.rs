@@ -8,8 +8,8 @@ use lumbre::error::{Bytes, Error, Result};
 use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::rays::{Measurement, PerRay, measure};
 
-use super::render::{check_json, parse_size, write_json};
-use super::{DeviceArgs, SceneArgs, choose_backend, print, print_warnings};
+use super::args::{DeviceArgs, SceneArgs, choose_backend, parse_size};
+use super::output::{check_json, print, print_warnings, write_json};
 
 #[derive(Args)]
 pub(super) struct RaysArgs {

@@ -14,10 +14,9 @@ use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
 use lumbre::techniques::Solves;
 
-use super::render::{
-    Depth, bar_on_terminal, check_json, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json,
-};
-use super::{DeviceArgs, SceneArgs, choose_backend, print, print_warnings};
+use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
+use super::interrupt::listen_for_interrupts;
+use super::output::{bar_on_terminal, check_json, print, print_warnings, write_json};
 
 /// Seconds between two lines of progress where standard error is no terminal.
 const INTERVAL: f64 = 10.0;

@@ -1,5 +1,6 @@
 //! `lumbre render`.
 
+mod job;
 mod keep;
 mod progress;
 mod pyramid;
@@ -7,15 +8,13 @@ mod report;
 mod write;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
 
 use lumbre::error::{Error, Result, one_of};
-use lumbre::files::{check_writable, replace_file};
+use lumbre::files::check_writable;
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
@@ -23,9 +22,11 @@ use lumbre::scene::Scene;
 use lumbre::spirv::Arithmetic;
 use lumbre::techniques::{LONGEST, Missing, SAMPLERS, Sampler, Strategies};
 
-use super::{DeviceArgs, SceneArgs, choose_backend, print_warnings};
+use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
+use super::interrupt::listen_for_interrupts;
+use super::output::{check_json, print_warnings, write_json};
+use job::Job;
 use keep::Keeper;
-pub(super) use progress::bar_on_terminal;
 use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.
@@ -142,33 +143,6 @@ pub(super) struct RenderArgs {
     quiet: bool,
 }
 
-/// `--max-depth`: a number of segments, or nothing for no limit.
-#[derive(Clone, Copy)]
-pub(super) struct Depth(pub Option<u32>);
-
-pub(super) fn parse_depth(text: &str) -> Result<Depth, String> {
-    match text.parse::<i64>() {
-        Ok(-1) => Ok(Depth(None)),
-        Ok(depth @ 0..=0xffff_fffe) => Ok(Depth(u32::try_from(depth).ok())),
-        _ => Err(String::from("it must be 0 or more, or -1 for no limit")),
-    }
-}
-
-pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let sides =
-        text.split_once(['x', 'X']).and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    sides
-        .filter(|(width, height)| (1..=65536).contains(width) && (1..=65536).contains(height))
-        .ok_or_else(|| String::from("it must be WIDTHxHEIGHT, each 1 to 65536"))
-}
-
-pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|number| *number > 0.0 && number.is_finite())
-        .ok_or_else(|| String::from("it must be a number above 0"))
-}
-
 fn parse_sampler(text: &str) -> Result<Sampler, String> {
     Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
@@ -194,13 +168,6 @@ fn asked_spp(args: &RenderArgs, scene: &Scene) -> u32 {
 }
 
 const AOVS: [&str; 2] = ["variance", "samples"];
-
-/// What to do, checked before anything is rendered.
-struct Job {
-    outputs: Vec<PathBuf>,
-    spp: u32,
-    time: Option<f64>,
-}
 
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
@@ -403,32 +370,4 @@ fn settle(
     };
     settings.expected_samples = expected_samples(args, scene);
     Ok((settings, Job { outputs, spp, time: args.time }))
-}
-
-/// A flag that Ctrl-C and SIGTERM set: what was rendered is kept. The second one ends the process at once.
-pub(super) fn listen_for_interrupts() -> Arc<AtomicBool> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    let flag = interrupted.clone();
-    // Without a handler an interrupt ends the process, which loses the image but nothing else.
-    let _ = ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    interrupted
-}
-
-/// Fails where the JSON that was asked for could not be written.
-pub(super) fn check_json(path: Option<&Path>) -> Result<()> {
-    path.filter(|path| *path != Path::new("-")).map_or(Ok(()), check_writable)
-}
-
-/// Writes a value as JSON to a file, or to standard output where the path is `-`.
-pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| Error::write(path, error))?;
-    if path == Path::new("-") {
-        super::print(&text);
-        return Ok(());
-    }
-    replace_file(path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
 }

@@ -11,9 +11,9 @@ use lumbre::files::check_writable;
 use lumbre::layout::backend::Backend;
 use lumbre::verify::{CASES, Case, Effort, Figure, On, Outcome, Verdict, backends_of, find, measure_all};
 
+use super::args::{DeviceArgs, choose_backend};
 use super::markdown::{Table, code};
-use super::render::write_json;
-use super::{DeviceArgs, choose_backend, print};
+use super::output::{print, write_json};
 
 /// Characters of a figure's description in the table.
 const WIDTH: usize = 72;

@@ -3,6 +3,7 @@
 //! A chapter is one file in `chapters/`: a function that asks the [`Lab`] for renderings and writes what came of them on a
 //! [`Sheet`], in English and in Spanish. Figures come from what the commands wrote, never from the text.
 
+mod chapter;
 mod chapters;
 mod command;
 mod lab;
@@ -13,52 +14,15 @@ mod sheet;
 mod text;
 mod view;
 
-use crate::bench::results::Device;
 use crate::error::{Error, Result, one_of};
 use crate::files::replace_file;
-use crate::techniques;
 
+pub use chapter::{Chapter, Circumstances};
 pub use chapters::CHAPTERS;
 pub use command::Scale;
 pub use lab::{Lab, Place};
 pub use sheet::Sheet;
 pub use text::{LANGUAGES, Text};
-
-/// A chapter.
-pub struct Chapter {
-    /// Its name on the command line and within the page.
-    pub name: &'static str,
-    /// Its title in English and in Spanish.
-    pub titles: (&'static str, &'static str),
-    /// Techniques that it is about: without one of them in the table, there is no such chapter.
-    pub needs: &'static [&'static str],
-    /// Renders and writes it.
-    pub write: fn(&mut Lab, &mut Sheet) -> Result<()>,
-}
-
-impl Chapter {
-    /// Its title.
-    pub fn title(&self) -> Text {
-        text::text(self.titles.0, self.titles.1)
-    }
-
-    /// Whether the table has all techniques that it is about.
-    pub fn is_there(&self) -> bool {
-        self.needs.iter().all(|name| techniques::find(name).is_some())
-    }
-}
-
-/// Where, when and by what a lecture is made.
-pub struct Circumstances {
-    /// The program's version.
-    pub version: String,
-    /// The command.
-    pub command: String,
-    /// The time.
-    pub made: String,
-    /// The device and the host.
-    pub device: Device,
-}
 
 /// The chapters of these names in their order; all that there are where none is named.
 pub fn choose(names: &[String]) -> Result<Vec<&'static Chapter>> {
@@ -87,6 +51,7 @@ pub fn write(chapters: &[&Chapter], lab: &mut Lab, circumstances: &Circumstances
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::techniques;
 
     #[test]
     fn chapters_have_names_of_their_own_and_need_known_techniques() {

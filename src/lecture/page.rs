@@ -1,8 +1,8 @@
 //! The page: its head, its contents, the chapters one after the other.
 
+use super::chapter::{Chapter, Circumstances};
 use super::sheet::Sheet;
 use super::text::{Text, text};
-use super::{Chapter, Circumstances};
 use crate::report::html::escape;
 use crate::report::number::whole;
 

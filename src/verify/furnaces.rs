@@ -4,8 +4,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::Run;
-use super::comparison::average;
-use super::comparison::differing;
+use super::comparison::{average, differing};
 use super::figure::{Figure, Worst};
 use super::geometry::{closed_cube, glowing, icosphere, inside_out, look};
 use crate::error::Result;

@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use super::comparison::average;
-use super::comparison::differing;
+use super::comparison::{average, differing};
 use super::figure::{Figure, Worst};
 use super::geometry::{lamp, look};
 use super::{Run, room};

@@ -10,8 +10,8 @@ use lumbre::render::{Settings, Technique};
 use lumbre::scene::{LightSelection, Scene};
 use lumbre::techniques::{Bias, Sampler, Solves};
 
-use super::super::choose_backend;
-use super::Entry;
+use super::super::args::choose_backend;
+use super::entry::Entry;
 
 /// Something that is changed to see what it buys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! `lumbre bench`: speed against error.
 
 mod columns;
-pub(super) mod host;
+mod entry;
 mod table;
 
 use std::collections::HashSet;
@@ -23,11 +23,13 @@ use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene};
 use lumbre::statistics::CONFIDENCE;
-use lumbre::techniques::Solves;
 
-use super::render::{Depth, listen_for_interrupts, parse_depth, parse_positive, parse_size, write_json};
-use super::{DeviceArgs, choose_backend, parse_define, print, print_warnings};
+use super::args::{Depth, DeviceArgs, choose_backend, parse_define, parse_depth, parse_positive, parse_size};
+use super::host;
+use super::interrupt::listen_for_interrupts;
+use super::output::{print, print_warnings, write_json};
 use columns::{Column, wanted_light};
+use entry::Entry;
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
@@ -112,18 +114,6 @@ pub(super) struct BenchArgs {
 fn parse_percent(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| (0.0..=1000.0).contains(number));
     number.ok_or_else(|| String::from("it must be a number from 0 to 1000"))
-}
-
-/// A scene with what it is compared with.
-struct Entry {
-    name: String,
-    file: PathBuf,
-    scene: Scene,
-    load: f64,
-    settings: Settings,
-    /// The light that the reference has.
-    solves: Solves,
-    given: Option<(PathBuf, Truth)>,
 }
 
 pub(super) fn run(args: &BenchArgs) -> Result<()> {

@@ -4,7 +4,7 @@ use lumbre::bench::against::{Comparison, Figure};
 use lumbre::bench::results::{self as bench, Reference, Results, SceneResults, VariantResults};
 use lumbre::statistics::Interval;
 
-use super::super::print;
+use super::super::output::print;
 
 pub(super) fn print_results(results: &Results) {
     print(&format!("device     {} ({})", results.device.name, results.device.driver));

@@ -1,14 +1,14 @@
 //! Progress of a rendering: a bar on a terminal, a plain line now and then elsewhere.
 
-use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
 use lumbre::render::{Building, Renderer};
 
-use super::Job;
+use super::job::Job;
+use crate::cli::output::bar_on_terminal;
 
 /// Seconds between two lines where standard error is no terminal.
 const INTERVAL: f64 = 10.0;
@@ -16,17 +16,6 @@ const INTERVAL: f64 = 10.0;
 const FIRST_LINE: f64 = 2.0;
 /// Seconds that building a scene may take before a bar appears: most scenes are done by then.
 const FIRST_BAR: f64 = 0.5;
-
-/// A bar of a thousand steps on standard error, where that is a terminal.
-pub(in crate::cli) fn bar_on_terminal() -> Option<ProgressBar> {
-    std::io::stderr().is_terminal().then(|| {
-        let bar = ProgressBar::new(1000);
-        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {msg}") {
-            bar.set_style(style);
-        }
-        bar
-    })
-}
 
 /// Progress of what comes before rendering: the acceleration structure, the upload, the kernels.
 pub(super) struct BuildProgress {

@@ -13,7 +13,7 @@ use lumbre::render::film::{BadSample, ErrorEstimate, Film};
 use lumbre::render::{KernelSize, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
 
-use super::super::print;
+use super::super::output::print;
 
 /// The JSON object of `lumbre render`; its keys are a contract.
 #[derive(Serialize)]

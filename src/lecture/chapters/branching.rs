@@ -2,8 +2,8 @@
 
 use std::rc::Rc;
 
+use super::prelude::*;
 use super::scenes::SPHERES;
-use super::*;
 use crate::image::metrics::compare;
 use crate::lecture::run::part_of;
 

@@ -1,9 +1,9 @@
 //! Which technique for which light: the efficiencies of all rooms, and the table of techniques.
 
 use super::contest::{self, EQUAL_TIME};
+use super::prelude::*;
 use super::scenes::{CORNELL, DOOR, LAMPS, REFLECTED, RING, Room, SMALL_LIGHT, SPHERES};
 use super::spanish;
-use super::*;
 use crate::report::html::escape;
 use crate::techniques::{Bias, TECHNIQUES, TechniqueRow};
 

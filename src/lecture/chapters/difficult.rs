@@ -1,8 +1,8 @@
 //! Light that is hard to find, by every technique at equal time.
 
 use super::contest::{self, EQUAL_TIME};
+use super::prelude::*;
 use super::scenes::{DOOR, REFLECTED, RING, Room, SMALL_LIGHT};
-use super::*;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "difficult",

@@ -1,9 +1,10 @@
 //! Direct light against global illumination.
 
+use super::prelude::*;
 use super::scenes::{CORNELL, DOOR, Room};
-use super::*;
 use crate::lecture::run::{average, part_of};
 use crate::lecture::sheet::figure_of_percent;
+use crate::lecture::view;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "direct-global",

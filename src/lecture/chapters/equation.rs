@@ -1,7 +1,7 @@
 //! The rendering equation, and what a Monte Carlo estimate of it does with more samples.
 
+use super::prelude::*;
 use super::scenes::CORNELL;
-use super::*;
 use crate::lecture::command::Shot;
 use crate::lecture::math::inline;
 use crate::lecture::sheet::Curve;

@@ -1,8 +1,8 @@
 //! Implicit against explicit paths.
 
 use super::contest::{EQUAL_TIME, equal_time};
+use super::prelude::*;
 use super::scenes::{CORNELL, Room, SPHERES};
-use super::*;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "explicit",

@@ -1,9 +1,10 @@
 //! What paths of each length bring.
 
+use super::prelude::*;
 use super::scenes::CORNELL;
-use super::*;
 use crate::lecture::run::average;
 use crate::lecture::sheet::figure_of_percent;
+use crate::lecture::view;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "lengths",

@@ -1,8 +1,8 @@
 //! Paths from the lamps alone.
 
 use super::contest::{EQUAL_TIME, equal_time};
+use super::prelude::*;
 use super::scenes::{CORNELL, Room, SMALL_LIGHT, SPHERES};
-use super::*;
 
 pub const CHAPTER: Chapter =
     Chapter { name: "light-tracing", titles: ("Light tracing", "Trazado de luz"), needs: &["light", "path"], write };

@@ -1,7 +1,7 @@
 //! Metropolis light transport against bidirectional path tracing at equal time.
 
+use super::prelude::*;
 use super::scenes::{DOOR, RING, Room};
-use super::*;
 use crate::render::Technique;
 
 pub const CHAPTER: Chapter = Chapter {

@@ -1,8 +1,8 @@
 //! Photon mapping: one map, and many.
 
 use super::contest::equal_time;
+use super::prelude::*;
 use super::scenes::{CORNELL, SPHERES};
-use super::*;
 
 pub const CHAPTER: Chapter =
     Chapter { name: "photons", titles: ("Photon mapping", "Mapa de fotones"), needs: &["photon", "path"], write };

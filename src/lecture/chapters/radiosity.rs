@@ -1,7 +1,8 @@
 //! Radiosity, beside photon mapping and path tracing of the same room.
 
+use super::prelude::*;
 use super::scenes::CORNELL;
-use super::*;
+use crate::lecture::view;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "radiosity",

@@ -1,8 +1,9 @@
 //! Russian roulette against a fixed depth: bias as a map, cost as figures.
 
+use super::prelude::*;
 use super::scenes::CORNELL;
-use super::*;
 use crate::lecture::math::inline;
+use crate::lecture::view;
 
 pub const CHAPTER: Chapter = Chapter {
     name: "roulette",

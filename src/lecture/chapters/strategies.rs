@@ -1,7 +1,7 @@
 //! The strategies (s, t) of bidirectional path tracing, without and with weights.
 
+use super::prelude::*;
 use super::scenes::SPHERES;
-use super::*;
 use crate::lecture::run::average;
 use crate::lecture::sheet::figure_of_percent;
 use crate::techniques::Strategies;

@@ -7,9 +7,8 @@ use super::metals;
 use super::object::{Colour, Object};
 use crate::error::{Result, all_of, one_of};
 use crate::layout::{MaterialTextures, NONE, Principled};
-use crate::scene::material;
 use crate::scene::material::MaterialDescription;
-use crate::scene::{Mask, Side};
+use crate::scene::{Mask, Side, material};
 
 const SUPPORTED: [&str; 15] = [
     "diffuse",

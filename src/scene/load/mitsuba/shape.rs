@@ -5,8 +5,7 @@ use std::rc::Rc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::loader::Loader;
-use super::loader::Sides;
+use super::loader::{Loader, Sides};
 use super::object::{Colour, Object};
 use crate::error::{Error, Result};
 use crate::scene::load::{obj, ply, serialized};

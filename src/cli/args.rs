@@ -1,0 +1,129 @@
+//! Arguments that several sub-commands take, and how they are parsed.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use lumbre::error::{Error, Result, one_of};
+use lumbre::gpu::{DeviceKind, Gpu, Instance};
+use lumbre::layout::backend::{BACKENDS, Backend};
+use lumbre::scene::{LightSelection, LoadOptions, Scene};
+
+/// Which device to run on.
+#[derive(Args)]
+pub(super) struct DeviceArgs {
+    /// Device by index, UUID, or a part of its name; by default the first of the fastest kind
+    #[arg(short = 'd', long, value_name = "SEL")]
+    pub(super) device: Option<String>,
+
+    /// Check every Vulkan call with the Khronos validation layer; a message fails the command
+    #[arg(long)]
+    pub(super) validate: bool,
+}
+
+/// Which scene to read.
+#[derive(Args)]
+pub(super) struct SceneArgs {
+    /// Scene file: Mitsuba 3 (.xml), glTF 2.0 (.gltf, .glb), .obj or .ply
+    pub(super) scene: PathBuf,
+
+    /// Set a parameter of a Mitsuba scene
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
+    pub(super) defines: Vec<(String, String)>,
+
+    /// How lights are selected: by power, from a tree by place and direction, or auto, which takes the tree from 33 lights on
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    pub(super) lights: LightSelection,
+
+    /// Give rough metals and rough glass of a Mitsuba scene back what they lose to multiple scattering, which Mitsuba does not
+    #[arg(long)]
+    pub(super) energy_compensation: bool,
+
+    /// Filter the images of materials over what a path sees of them: less noise, and a blur; Mitsuba looks up points
+    #[arg(long)]
+    pub(super) mip_maps: bool,
+}
+
+impl DeviceArgs {
+    pub(super) fn open(&self) -> Result<Gpu> {
+        Gpu::open(&Instance::new(self.validate)?, self.device.as_deref())
+    }
+
+    /// Fails if validation had anything to say.
+    pub(super) fn report_validation(gpu: &Gpu) -> Result<()> {
+        let messages = gpu.take_validation_messages();
+        match messages.split_first() {
+            None => Ok(()),
+            Some((first, rest)) => {
+                rest.iter().for_each(|message| eprintln!("validation: {message}"));
+                Err(Error::Validation(first.clone()))
+            }
+        }
+    }
+}
+
+impl SceneArgs {
+    pub(super) fn options(&self) -> LoadOptions {
+        LoadOptions {
+            defines: self.defines.clone(),
+            lights: self.lights,
+            energy_compensation: self.energy_compensation,
+            mip_maps: self.mip_maps,
+        }
+    }
+
+    pub(super) fn load(&self) -> Result<Scene> {
+        lumbre::scene::load(&self.scene, &self.options())
+    }
+}
+
+pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err(String::from("it must be NAME=VALUE")),
+    }
+}
+
+/// The backend of that name; `auto` picks ray queries on GPUs that have them, and on processors the one that was measured
+/// to be faster there (docs/lavapipe.md).
+pub(super) fn choose_backend(name: &str, gpu: &Gpu) -> Result<Backend> {
+    if name == "auto" {
+        let survey = gpu.survey();
+        let ray_query = survey.kind != DeviceKind::Cpu && survey.refusal(Backend::RayQuery).is_none();
+        return Ok(if ray_query { Backend::RayQuery } else { Backend::Bvh });
+    }
+    let found = BACKENDS.iter().find(|row| row.name == name).map(|row| row.backend);
+    let backend = found.ok_or_else(|| {
+        let valid = std::iter::once("auto").chain(BACKENDS.iter().map(|row| row.name));
+        Error::Usage(format!("no backend '{name}': valid are {}", one_of(valid)))
+    })?;
+    gpu.require(backend)?;
+    Ok(backend)
+}
+
+/// `--max-depth`: a number of segments, or nothing for no limit.
+#[derive(Clone, Copy)]
+pub(super) struct Depth(pub Option<u32>);
+
+pub(super) fn parse_depth(text: &str) -> Result<Depth, String> {
+    match text.parse::<i64>() {
+        Ok(-1) => Ok(Depth(None)),
+        Ok(depth @ 0..=0xffff_fffe) => Ok(Depth(u32::try_from(depth).ok())),
+        _ => Err(String::from("it must be 0 or more, or -1 for no limit")),
+    }
+}
+
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let sides =
+        text.split_once(['x', 'X']).and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    sides
+        .filter(|(width, height)| (1..=65536).contains(width) && (1..=65536).contains(height))
+        .ok_or_else(|| String::from("it must be WIDTHxHEIGHT, each 1 to 65536"))
+}
+
+pub(super) fn parse_positive(text: &str) -> Result<f64, String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|number| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| String::from("it must be a number above 0"))
+}
