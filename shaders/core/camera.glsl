@@ -2,7 +2,7 @@
 #include "core/sampling.glsl"
 
 // The filter's value at a distance from the pixel's centre, up to a constant factor; the same formulas as
-// `Filter::value` in src/scene/filter.rs.
+// `Filter::value` in src/scene/description/filter.rs.
 float filter_value(float x) {
     float p = scene.filter_parameters.x, q = scene.filter_parameters.y;
     x = abs(x);

@@ -1,6 +1,6 @@
 // Choosing one of many lights by a bound on its irradiance at a point: a descent through a tree of bounds on their places, directions
 // and intensities (Conty Estevez and Kulla 2018, "Importance sampling of many lights with adaptive tree splitting"). Which
-// nodes there are, and why their bounds are safe, says src/scene/light_tree.rs.
+// nodes there are, and why their bounds are safe, says src/scene/compile/light_tree.rs.
 
 // What receives light: a point, and the normal of the side that can.
 struct ReferencePoint {

@@ -1,7 +1,7 @@
 // What rough metals and rough glass lose because their models follow light through one scattering among microfacets only
 // comes back as a second lobe (Kulla and Conty 2017, "Revisiting physically based shading at Imageworks"; for one interface with
 // F = 1, Kelemen and Szirmay-Kalos 2001). M(w) is the share of light from w that one scattering loses when no facet absorbs, m_x its
-// cosine-weighted mean on side x of the surface; both come from tables that the host integrates (src/scene/compensation.rs).
+// cosine-weighted mean on side x of the surface; both come from tables that the host integrates (src/scene/compile/compensation.rs).
 //
 // A metal: f = S M(wo) M(wi) / (pi m), S = F^2 (1 - m) / (1 - F m), the series of what escapes after two reflections, three, and so
 // on, by the mean Fresnel reflectance F. With F = 1 the integral of f |cos_i| is M(wo), which is what was lost.

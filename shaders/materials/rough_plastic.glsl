@@ -1,5 +1,5 @@
 // A diffuse base under a rough coating: as plastic, with the coating's transmittance from a table by cosine, which the host
-// integrates (src/scene/plastic.rs), and microfacets that reflect.
+// integrates (src/scene/compile/plastic.rs), and microfacets that reflect.
 
 float rough_plastic_transmittance(Plastic p, float cosine) {
     Floats table = Floats(scene.tables);
