@@ -86,7 +86,7 @@ pub struct SceneResults {
 pub struct Reference {
     /// The image, an EXR file of the bench's folder.
     pub image: String,
-    /// The same as a PNG file.
+    /// The image as a PNG file of the bench's folder.
     pub picture: String,
     /// `given`, `made` or `cached`.
     pub origin: String,
@@ -131,11 +131,11 @@ pub struct VariantResults {
     pub curve: Vec<CurvePoint>,
     /// 1 / (relMSE x seconds) at the end of each run.
     pub efficiency: Interval,
-    /// The same with the relMSE of all but the worst thousandth of the pixels.
+    /// 1 / (error x seconds) at the end of each run, the error being the relMSE of all but the worst thousandth of the pixels.
     pub trimmed_efficiency: Interval,
-    /// The same with the relMSE as the median of the means of eight parts of the image.
+    /// 1 / (error x seconds), the error being the relMSE as the median of the means of eight parts of the image.
     pub parts_efficiency: Interval,
-    /// The same with the median of the pixels' squared relative errors.
+    /// 1 / (error x seconds), the error being the median of the pixels' squared relative errors.
     pub median_efficiency: Interval,
     /// Share of the relMSE that the worst thousandth of the pixels makes at the end of a run, the most of all runs: above
     /// [`HEAVY_TAIL`], few bright samples decide it.
@@ -177,7 +177,7 @@ pub struct CurvePoint {
     pub spp: f64,
     /// Seconds of rendering until then, by the host's clock.
     pub seconds: Interval,
-    /// The same by the device's clock: the kernels alone.
+    /// Seconds until then by the device's clock: the kernels alone.
     pub device_seconds: Option<Interval>,
     /// relMSE.
     pub relmse: Interval,
@@ -228,15 +228,15 @@ pub struct Point {
     pub spp: u64,
     /// Seconds of rendering until then, by the host's clock.
     pub seconds: f64,
-    /// The same by the device's clock.
+    /// Seconds of rendering until then, by the device's clock.
     pub device_seconds: Option<f64>,
     /// Mean of (a - b)².
     pub mse: f64,
     /// Mean of (a - b)² / (b² + 0.01).
     pub relmse: f64,
-    /// The same without the worst thousandth of the pixels.
+    /// relMSE without the worst thousandth of the pixels.
     pub trimmed_relmse: f64,
-    /// The same as the median of the means of eight parts of the image, into which pixels are dealt at random.
+    /// relMSE as the median of the means of eight parts of the image, into which pixels are dealt at random.
     pub parts_relmse: f64,
     /// Median over the pixels of what it is the mean of.
     pub median_relmse: f64,
@@ -262,11 +262,11 @@ pub struct Pair {
     pub against: String,
     /// Its efficiency over the other's, by relMSE.
     pub efficiency: Ratio,
-    /// The same by the relMSE without the worst thousandth of the pixels.
+    /// Its efficiency over the other's, by the relMSE without the worst thousandth of the pixels.
     pub trimmed: Ratio,
-    /// The same by the relMSE as the median of the means of eight parts.
+    /// Its efficiency over the other's, by the relMSE as the median of the means of eight parts.
     pub parts: Ratio,
-    /// The same by the median of the pixels' squared relative errors.
+    /// Its efficiency over the other's, by the median of the pixels' squared relative errors.
     pub median: Ratio,
     /// Its samples per second over the other's.
     pub speed_ratio: Interval,

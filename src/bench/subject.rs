@@ -27,7 +27,7 @@ pub struct Snapshot {
     pub spp: f64,
     /// Seconds of rendering since the run began, by the host's clock.
     pub seconds: f64,
-    /// The same by the device's clock.
+    /// Seconds of rendering since the run began, by the device's clock.
     pub device_seconds: Option<f64>,
     /// Rays traced since the run began.
     pub rays: Option<u64>,

@@ -31,7 +31,7 @@ impl Bvh {
         Self::build_in_chunks(boxes, CHUNK, &|_| {})
     }
 
-    /// The same in chunks of `most` boxes at most, where there are more. `done` is told from time to time, from any thread,
+    /// Builds a tree over boxes, or over primitives, in chunks of `most` boxes at most, where there are more. `done` is told from time to time, from any thread,
     /// how many boxes have found their place.
     pub fn build_in_chunks<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
         if boxes.is_empty() {

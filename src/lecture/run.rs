@@ -65,7 +65,8 @@ impl Run {
         self.mean_of([0.0, 0.0, 1.0, 1.0])
     }
 
-    /// The same of a part of the image: left, top, right and bottom as shares of its sides.
+    /// The mean over a part of the image (left, top, right and bottom as shares of its sides), and its variance where the image has the
+    /// layer `variance`.
     pub fn mean_of(&self, part: [f64; 4]) -> Result<Estimate> {
         let variance = self.layer("variance")?;
         let mean = average(&part_of(&self.image, part));

@@ -29,11 +29,11 @@ pub struct Throughput {
     pub hit: f64,
     /// Mrays/s of each run, by the device's clock, in the order of the runs.
     pub runs: Vec<f64>,
-    /// Their median.
+    /// Median of the runs, Mrays/s.
     pub mrays_per_s: f64,
-    /// The same for the same rays in a random order.
+    /// Mrays/s of each run, by the device's clock, for those rays in a random order.
     pub shuffled_runs: Vec<f64>,
-    /// Their median.
+    /// Median of the shuffled runs, Mrays/s.
     pub shuffled_mrays_per_s: f64,
     /// What traversal tests; nothing where the backend cannot count.
     pub tested: Option<Tested>,

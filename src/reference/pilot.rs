@@ -45,7 +45,7 @@ impl Tried {
         self.pilot.noise / seconds + self.lacking(seconds)
     }
 
-    /// The same in one tile.
+    /// The relMSE that it is expected to have in one tile after so many seconds.
     pub fn expected_in(&self, tile: usize, seconds: f64) -> f64 {
         let lacking = if self.is_consistent { self.lacking(seconds) } else { self.lacks[tile] };
         self.tiles[tile] / seconds.max(f64::MIN_POSITIVE) + lacking

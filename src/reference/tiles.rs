@@ -40,7 +40,7 @@ impl Tile {
         })
     }
 
-    /// The same, and those between them: shifted by half of their size in either direction.
+    /// The tiles of a grid, and those between them: shifted by half of their size in either direction.
     pub fn overlapping(width: u32, height: u32, size: u32) -> impl Iterator<Item = Self> {
         let step = if size < width.max(height) { (size / 2).max(1) } else { size };
         let all = Self::stepping(width, height, size, step);

@@ -18,9 +18,9 @@ pub struct Truth {
     /// Where its witness differs: red where that is brighter, blue where it is darker, by deviations of tiles of 4 x 4 pixels; full colour
     /// is 6.
     pub difference_map: Option<Image>,
-    /// Mean of that variance: what it adds to the MSE of any image that is compared with it.
+    /// Mean of the variance of its pixels: what it adds to the MSE of any image that is compared with it.
     mse: f64,
-    /// The same as a relMSE.
+    /// What its variance adds to the relMSE of any image that is compared with it.
     relmse: f64,
     /// Standard deviations of what is left of both once their expectations are taken off: an error that all runs share.
     deviations: [f64; 2],
@@ -53,7 +53,7 @@ impl Truth {
         }
     }
 
-    /// The same image with what is known of it. How uncertain its own error is says how uncertain the noise is that is taken off; a blur of
+    /// This image with what is known of it. How uncertain its own error is says how uncertain the noise is that is taken off; a blur of
     /// it stays in all errors.
     #[must_use]
     pub fn certified(mut self, certificate: Certificate) -> Self {
@@ -65,14 +65,14 @@ impl Truth {
         self
     }
 
-    /// The same image with an error of the kind that it has.
+    /// This image with an error of the kind that it has.
     #[must_use]
     pub fn with_noise(mut self, noise: Option<Image>) -> Self {
         self.noise = noise;
         self
     }
 
-    /// The same image with a picture of where its witness differs.
+    /// This image with a picture of where its witness differs.
     #[must_use]
     pub fn with_difference_map(mut self, map: Option<Image>) -> Self {
         self.difference_map = map;

@@ -174,7 +174,7 @@ impl<'a> Work<'a> {
         others.min_by(|a, b| blindness(a).total_cmp(&blindness(b)))
     }
 
-    /// The same, of those that are not blurred where the maker is: what both have of the image then has less blur, and most of it none.
+    /// The best witness of what `maker` makes after so many seconds, one that is not blurred where the maker is: what both have of the image then has less blur, and most of it none.
     pub fn first_witness(&self, seconds: f64, maker: usize) -> Option<usize> {
         let blurred = |index: &usize| self.candidates[*index].is_consistent;
         let mut excluded = vec![maker];
@@ -184,7 +184,7 @@ impl<'a> Work<'a> {
         self.best_witness(seconds, &excluded).or_else(|| self.best_witness(seconds, &[maker]))
     }
 
-    /// The same, of those that aim at all light where none of `but` does; where all are spent, those that were held back are tried.
+    /// The best witness besides `but` after so many seconds; where all are spent, those that were held back are tried.
     pub fn another_witness(&mut self, seconds: f64, but: &[usize]) -> Result<Option<usize>> {
         if self.best_witness(seconds, but).is_none() && !self.held_back.is_empty() {
             let more = std::mem::take(&mut self.held_back);

@@ -54,7 +54,7 @@ impl LogScale {
         drawable(value) && (self.low - decades..=self.high + decades).contains(&value.log10())
     }
 
-    /// The same axis with room for one more value.
+    /// This axis with room for one more value.
     pub fn extended(&self, value: f64) -> Self {
         let (log, margin) = (value.log10(), 0.04 * (self.high - self.low));
         if self.reaches(value, 0.0) {

@@ -296,7 +296,7 @@ fn interval(value: &Interval) -> String {
     in_cell(number::interval(value))
 }
 
-/// The same with a fixed number of decimals.
+/// An interval in a cell, each number with so many decimals.
 fn fixed(value: &Interval, decimals: i32) -> String {
     in_cell(number::interval_fixed(value, decimals))
 }

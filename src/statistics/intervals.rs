@@ -30,7 +30,7 @@ impl Interval {
         Self::with_confidence(values, CONFIDENCE)
     }
 
-    /// The same with a confidence of the caller's.
+    /// The mean of independent values with Student's interval of this confidence (0 to 1) around it. Of one value both ends are it.
     pub fn with_confidence(values: &[f64], confidence: f64) -> Self {
         let n = values.len();
         let mean = values.iter().sum::<f64>() / n.max(1) as f64;
@@ -47,7 +47,7 @@ impl Interval {
         Self::geometric_with(values, CONFIDENCE)
     }
 
-    /// The same with a confidence of the caller's.
+    /// The geometric mean of positive values with its interval of this confidence (0 to 1).
     pub fn geometric_with(values: &[f64], confidence: f64) -> Self {
         let logs: Vec<f64> = values.iter().map(|value| value.max(f64::MIN_POSITIVE).ln()).collect();
         let Self { mean, low, high } = Self::with_confidence(&logs, confidence);

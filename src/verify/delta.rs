@@ -16,7 +16,7 @@ fn surface(builder: &mut SceneBuilder, material: impl Into<MaterialDescription>,
     builder.surface(SurfaceDescription { front, emission: [emission; 3], ..SurfaceDescription::default() })
 }
 
-/// Walls that are mirrors of reflectance r and emit Le: L = Le / (1 - r), a path of k segments brings Le r^(k - 1), exactly. Then a
+/// Walls that are mirrors of reflectance r and emit Le: L = Le / (1 - r), a path of k segments contributes Le r^(k - 1), exactly. Then a
 /// camera in a cube of glass, from which rays beyond the critical angle of all faces never come out; all others see eta^2.
 pub(super) fn traps(run: &mut Run) -> Result<()> {
     const R: f32 = 0.99;

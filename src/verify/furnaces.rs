@@ -1,5 +1,5 @@
 //! Furnaces: closed surfaces that emit Le and reflect the share r look the same everywhere, L = Le / (1 - r), whatever their shape,
-//! and paths of k segments bring Le r^(k - 1) of it.
+//! and paths of k segments contribute Le r^(k - 1) of it.
 
 use glam::{DAffine3, DVec3};
 
@@ -263,7 +263,7 @@ pub(super) fn roulette(run: &mut Run) -> Result<()> {
     Ok(())
 }
 
-/// Paths of ten thousand bounces: what an albedo of 0.9999 brings after them is a third of all. Without a limit the albedo is 0.999, for
+/// Paths of ten thousand bounces: the contribution of an albedo of 0.9999 after them is a third of all. Without a limit the albedo is 0.999, for
 /// then paths of more than that, which roulette ends faster so that they end at all, are one in 20000.
 pub(super) fn bounces(run: &mut Run) -> Result<()> {
     const ALBEDO: f64 = 0.9999;

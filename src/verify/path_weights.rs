@@ -128,7 +128,7 @@ const POWER: Heuristic = ("power", 2);
 struct Layers(HashMap<(u32, u32), StrategyLayers>);
 
 impl Layers {
-    /// The weight that a strategy has in a pixel; nothing where it brings too little there for layers to tell, which hold multiples of
+    /// The weight that a strategy has in a pixel; nothing where it contributes too little there for layers to tell, which hold multiples of
     /// a small unit.
     fn weight(&self, Strategy { s, t }: Strategy, pixel: f32) -> Option<Weight> {
         let layers = self.0.get(&(s, t))?;

@@ -91,7 +91,7 @@ impl<'a> Run<'a> {
         self.figures.push(figure);
     }
 
-    /// The same of what the driver's own ray queries may break.
+    /// Takes a figure in that the driver's own ray queries may push beyond its bound.
     pub(super) fn note_of_driver(&mut self, figure: Figure) {
         let driver = &self.gpu.survey().driver;
         self.figures.push(if self.backend == Backend::RayQuery { figure.by_driver(driver) } else { figure });
@@ -116,7 +116,7 @@ impl<'a> Run<'a> {
         Ok(film)
     }
 
-    /// The same where samples that are not finite are what is looked for.
+    /// Renders with so many samples and keeps the image; samples that are not finite are the caller's to judge.
     pub(super) fn film(&mut self, scene: &Scene, settings: &Settings, spp: u32) -> Result<Film> {
         let samples = u64::from(settings.width) * u64::from(settings.height) * u64::from(spp);
         let expected_samples = samples.max(settings.expected_samples);
@@ -139,8 +139,8 @@ impl<'a> Run<'a> {
         Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
     }
 
-    /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, what paths from the lights bring
-    /// needs no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
+    /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, contributions of light subpaths
+    /// need no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
     pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
         let short = |row: &TechniqueRow| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
@@ -175,7 +175,7 @@ impl<'a> Run<'a> {
         self.mean_within(technique, what, film, channel, expected, 1e-3);
     }
 
-    /// The same with another share than 0.1 %.
+    /// Holds a film's mean against a value: within this share or three standard deviations of the estimate, whichever is more.
     pub(super) fn mean_within(
         &mut self,
         technique: &str,
@@ -189,7 +189,7 @@ impl<'a> Run<'a> {
         self.estimate(technique, what, estimate, expected, share, oddest_pixel(film, channel));
     }
 
-    /// The same of any estimate.
+    /// Holds any estimate against a value: within this share or three of its standard deviations, whichever is more.
     pub(super) fn estimate(
         &mut self,
         technique: &str,

@@ -45,7 +45,7 @@ pub(super) fn long_sums(run: &mut Run) -> Result<()> {
 /// The layers by path length sum to the image, exactly, and to the one rendered without them but for rounding.
 pub(super) fn layers(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
-    // Layers of what paths from the lights bring need no second backend.
+    // Layers of contributions of light subpaths need no second backend.
     let all = run.pick(TECHNIQUES.len(), 4);
     let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || row.kept == Kept::Nothing;
     for row in TECHNIQUES.iter().take(all).filter(here).collect::<Vec<_>>() {

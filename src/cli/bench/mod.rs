@@ -268,7 +268,7 @@ fn fingerprint(entry: &Entry, columns: &[Column], gpu: &Gpu, limits: Limits) -> 
     hasher.finish()
 }
 
-/// The same with what the errors are measured against: runs that were kept hold these, not images alone.
+/// A fingerprint with what the errors are measured against: runs that were kept hold these, not images alone.
 fn with_reference(fingerprint: u64, truth: &Truth) -> u64 {
     let mut hasher = DefaultHasher::new();
     fingerprint.hash(&mut hasher);

@@ -67,7 +67,7 @@ impl Lamp {
     }
 }
 
-/// The flux that a light brings to a scene of this radius, W: what selection is in proportion to.
+/// The flux of a light into a scene of this radius, W: selection by power is in proportion to it.
 pub(crate) fn power(light: &Light, scene_radius: f64) -> f64 {
     let strength = importance(light.radiance.map(f64::from));
     match light.kind {

@@ -1,5 +1,5 @@
-//! How lights are selected: from an alias table in proportion to their power, or from a tree by what they can bring to the
-//! point.
+//! How lights are selected: from an alias table in proportion to their power, or from a tree by bounds on
+//! their contribution to the point.
 
 use std::f64::consts::PI;
 

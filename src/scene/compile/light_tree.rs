@@ -1,4 +1,4 @@
-//! A tree over lights, from which one is chosen by what it can bring to a point (Conty Estevez and Kulla 2018, "Importance
+//! A tree over lights, from which one is chosen by a bound on its contribution to a point (Conty Estevez and Kulla 2018, "Importance
 //! sampling of many lights with adaptive tree splitting").
 //!
 //! Each node bounds the places, the directions and the intensity of the lights below it. At a point, descending by the

@@ -241,7 +241,7 @@ impl SceneBuilder {
         self.oriented_sphere(group, name, centre, radius, DMat3::IDENTITY, surface);
     }
 
-    /// The same with the axes (orthonormal) that its texture coordinates go by.
+    /// Adds a sphere to a group, whose texture coordinates go by these orthonormal axes. A negative radius turns its normal inwards.
     pub fn oriented_sphere(
         &mut self,
         group: usize,

@@ -159,13 +159,13 @@ pub fn layered(base: [f32; 3], roughness: f32, eta: f32, layers: Layered) -> Mat
 }
 
 impl MaterialDescription {
-    /// The same with Beckmann's microfacets instead of GGX's.
+    /// This material with Beckmann's microfacets instead of GGX's.
     pub fn beckmann(mut self) -> Self {
         self.record.flags |= MICROFACET_BECKMANN;
         self
     }
 
-    /// The same, giving back what a rough metal or rough glass loses to multiple scattering; any other material stays as it is.
+    /// This material, giving back what a rough metal or rough glass loses to multiple scattering; any other material stays as it is.
     pub fn compensated(mut self) -> Self {
         if matches!(self.record.kind, MATERIAL_ROUGH_CONDUCTOR | MATERIAL_ROUGH_DIELECTRIC) {
             self.record.flags |= MATERIAL_IS_COMPENSATED;

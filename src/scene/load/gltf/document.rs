@@ -204,7 +204,7 @@ impl Document {
         Err(self.wrong(element, format!("{name} is {value}, and must be in 0 to 1")))
     }
 
-    /// The same for each channel.
+    /// Numbers each of which must be in 0 to 1.
     pub fn shares<const N: usize>(&self, element: &str, name: &str, values: [f32; N]) -> Result<[f32; N]> {
         values.iter().try_for_each(|value| self.share(element, name, *value).map(drop))?;
         Ok(values)

@@ -271,7 +271,7 @@ impl Loader {
         object.object_of("bsdf")?.ok_or_else(|| object.error(format!("{} needs a BSDF within", object.title())))
     }
 
-    /// The same with copies of its materials whose textures are changed.
+    /// These sides with copies of their materials whose textures are changed.
     fn map_sides(&mut self, sides: Sides, change: impl Fn(&mut MaterialTextures) + Copy) -> Sides {
         let front = sides.front.map(|front| self.builder.changed_material(front, change));
         let back = if sides.back == sides.front {

@@ -16,7 +16,7 @@ const SKEW: f64 = 1e-4;
 pub(super) enum Shape {
     /// `corner + u a + v b`, u + v <= 1; unit normals at corner, a and b where they are smooth.
     Triangle { corner: DVec3, a: DVec3, b: DVec3, normals: Option<[DVec3; 3]> },
-    /// The same without that condition; normals at (0, 0), (1, 0), (0, 1), (1, 1).
+    /// `corner + u a + v b`; unit normals, where they are smooth, at (0, 0), (1, 0), (0, 1), (1, 1).
     Parallelogram { corner: DVec3, a: DVec3, b: DVec3, normals: Option<[DVec3; 4]> },
     /// u is the azimuth in turns, v the height from pole to pole, of this map of the unit sphere; -1 faces inwards.
     Sphere { centre: DVec3, map: DMat3, outwards: f64 },
@@ -294,7 +294,7 @@ pub(super) fn corners(shape: &Shape, corner: DVec2, extent: DVec2) -> impl Itera
     all.into_iter().take(count).map(move |(u, v)| corner + extent * DVec2::new(u, v))
 }
 
-/// The middle of a patch likewise.
+/// The middle of a patch in the coordinates of its face.
 pub(super) fn middle(shape: &Shape, corner: DVec2, extent: DVec2) -> DVec2 {
     corner + extent * if matches!(shape, Shape::Triangle { .. }) { 1.0 / 3.0 } else { 0.5 }
 }
