@@ -131,7 +131,7 @@ shared_constants! {
     /// The cubic of Mitchell and Netravali.
     pub const FILTER_MITCHELL = 3;
 
-    /// Descriptor binding of [`SceneUniforms`].
+    /// Descriptor binding of [`SceneUniforms`](super::SceneUniforms).
     pub const BINDING_SCENE = 0;
     /// Descriptor binding of the top-level acceleration structure (`ray-query` only).
     pub const BINDING_TLAS = 1;

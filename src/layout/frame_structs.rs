@@ -14,7 +14,7 @@ shared_structs! {
         /// Device address of the one [`Tally`].
         tally: uvec2,
         /// Device address of the splats: for each sample of this dispatch, pixel and layer three 64-bit integers in units of
-        /// [`SceneUniforms::splat_unit`]; layers are those by path length, or the one that is the image.
+        /// [`SceneUniforms::splat_unit`](super::SceneUniforms::splat_unit); layers are those by path length, or the one that is the image.
         splats: uvec2,
         /// Device address of the light paths: for each slot and sample of this dispatch the number of its vertices, then for each
         /// of them room for as many [`LightVertex`] as `light_vertices` says.

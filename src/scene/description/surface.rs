@@ -14,7 +14,7 @@ pub struct Mask {
     pub cutoff: f64,
 }
 
-/// A surface: the materials of its two sides (indices from [`SceneBuilder::material`]) and what its front emits.
+/// A surface: the materials of its two sides (indices from [`SceneBuilder::material`](super::SceneBuilder::material)) and what its front emits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfaceDescription {
     /// The side that normals point to.
