@@ -9,12 +9,11 @@ use super::families::FAMILIES;
 use super::figure::{Figure, Worst};
 use super::geometry::Random;
 use super::sampling::{Rings, chi_square_z, direction, spread};
-use super::scattering::{Asked, albedos, both_ways, vector};
+use super::scattering::{Asked, albedos, both_ways, scene_with, vector};
 use crate::error::Result;
 use crate::layout::{BsdfAnswer, BsdfQuery, MASKING_CORRELATED};
 use crate::render::Probe;
 use crate::scene::material::{self, MaterialDescription};
-use crate::scene::{SceneBuilder, SurfaceDescription};
 
 const WHITE: [f32; 3] = [1.0; 3];
 /// Ten angles from grazing to normal, by their cosines.
@@ -22,13 +21,7 @@ const COSINES: [f32; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0
 
 /// A kernel that knows these materials.
 fn probe(run: &Run, materials: &[MaterialDescription]) -> Result<Probe> {
-    let mut builder = SceneBuilder::new("materials");
-    for (index, material) in materials.iter().enumerate() {
-        let front = Some(builder.material(material.clone()));
-        let surface = builder.surface(SurfaceDescription { front, ..SurfaceDescription::default() });
-        builder.sphere(0, "sphere", DVec3::X * (3.0 * index as f64), 1.0, surface);
-    }
-    run.probe(&builder.finish()?, "bsdf")
+    run.probe(&scene_with(materials)?, "bsdf")
 }
 
 fn mirror(alpha: Option<f32>) -> MaterialDescription {

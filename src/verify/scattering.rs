@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::layout::{BsdfAnswer, BsdfQuery};
 use crate::render::Probe;
 use crate::scene::material::MaterialDescription;
+use crate::scene::{Scene, SceneBuilder, SurfaceDescription};
 
 /// A material of a probe's scene.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,17 @@ pub struct Asked<'a> {
     pub material: &'a MaterialDescription,
     /// Light passes it without a change of medium, as through a sheet.
     pub thin: bool,
+}
+
+/// A scene that uses these materials, so that a kernel made for it knows each of them.
+pub fn scene_with(materials: &[MaterialDescription]) -> Result<Scene> {
+    let mut builder = SceneBuilder::new("materials");
+    for (index, material) in materials.iter().enumerate() {
+        let front = Some(builder.material(material.clone()));
+        let surface = builder.surface(SurfaceDescription { front, ..SurfaceDescription::default() });
+        builder.sphere(0, "sphere", DVec3::X * (3.0 * index as f64), 1.0, surface);
+    }
+    builder.finish()
 }
 
 /// A vector of the device in double precision.

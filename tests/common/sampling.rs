@@ -1,13 +1,12 @@
 //! What tests of random choices share: uniform numbers from the device, and findings that are all
 //! reported before a test fails.
 
-use glam::DVec3;
 use lumbre::gpu::Gpu;
 use lumbre::layout::RandomQuery;
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Probe, Settings};
+use lumbre::scene::Scene;
 use lumbre::scene::material::{self, MaterialDescription};
-use lumbre::scene::{Scene, SceneBuilder, SurfaceDescription};
 use lumbre::techniques::Sampler;
 
 #[allow(unused_imports)]
@@ -31,14 +30,7 @@ pub fn random_from(gpu: &Gpu, sampler: Sampler, queries: &[RandomQuery]) -> Vec<
 
 /// A scene that uses these materials, so that none is left out of the kernel.
 pub fn with_materials(materials: &[MaterialDescription]) -> Scene {
-    let mut builder = SceneBuilder::new("materials");
-    for (index, material) in materials.iter().enumerate() {
-        let id = builder.material(material.clone());
-        let surface =
-            builder.surface(SurfaceDescription { front: Some(id), back: None, ..SurfaceDescription::default() });
-        builder.sphere(0, "sphere", DVec3::new(index as f64 * 3.0, 0.0, 0.0), 1.0, surface);
-    }
-    builder.finish().unwrap()
+    lumbre::verify::scattering::scene_with(materials).unwrap()
 }
 
 /// Uniform numbers, four to a query.
