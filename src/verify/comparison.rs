@@ -62,7 +62,8 @@ pub fn largest_z(a: &Film, b: &Film, tile: u32) -> LargestZ {
 }
 
 /// Holds a mean against its expected value: off by at most this share, or by three of its standard deviations, whichever is more. An
-/// estimate whose own deviation hides ten times the share, or 1 % at the least, fails: it could not see a fault. `worst` names the place to look at.
+/// estimate whose three deviations exceed ten times the share and 1 % as well fails: it could not see a fault. `worst` names the place to
+/// look at.
 pub fn mean(
     technique: &str,
     what: &str,
