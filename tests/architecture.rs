@@ -1,0 +1,65 @@
+//! The folders of `src/`: each knows those below it, and none knows one above (docs/architecture.md).
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The Rust files below a folder.
+fn files(folder: &Path, found: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            files(&entry, found);
+        } else if entry.extension().is_some_and(|extension| extension == "rs") {
+            found.push(std::fs::read_to_string(entry).unwrap());
+        }
+    }
+}
+
+/// The folders that a file names by paths from the root of the crate, comments and its unit tests aside.
+fn named(text: &str) -> BTreeSet<String> {
+    let code: Vec<&str> = text
+        .split("\n#[cfg(test)]")
+        .next()
+        .unwrap_or_default()
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect();
+    let code = code.join("\n");
+    let paths = ["crate::", "lumbre::"].into_iter().flat_map(|root| code.split(root).skip(1).collect::<Vec<_>>());
+    let first = |path: &str| path.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    paths.map(first).collect()
+}
+
+/// Follows the folders that one leads to; fails where that comes back.
+fn descend<'a>(uses: &'a BTreeMap<String, BTreeSet<String>>, way: &mut Vec<&'a str>, done: &mut BTreeSet<&'a str>) {
+    let here = way[way.len() - 1];
+    for next in &uses[here] {
+        assert!(!way.contains(&next.as_str()), "a circle of folders in src: {way:?}, then {next} again");
+        if done.insert(next) {
+            way.push(next);
+            descend(uses, way, done);
+            way.pop();
+        }
+    }
+}
+
+#[test]
+fn folders_know_only_those_below() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let folders = std::fs::read_dir(&src).unwrap().map(|entry| entry.unwrap()).filter(|entry| entry.path().is_dir());
+    let folders: BTreeSet<String> = folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let uses: BTreeMap<String, BTreeSet<String>> = folders
+        .iter()
+        .map(|folder| {
+            let mut texts = Vec::new();
+            files(&src.join(folder), &mut texts);
+            let mut used: BTreeSet<String> = texts.iter().flat_map(|text| named(text)).collect();
+            used.retain(|name| folders.contains(name) && name != folder);
+            (folder.clone(), used)
+        })
+        .collect();
+    assert!(uses["render"].contains("gpu") && uses["layout"].is_empty(), "{uses:#?}");
+    let mut done = BTreeSet::new();
+    for folder in uses.keys() {
+        descend(&uses, &mut vec![folder], &mut done);
+    }
+}
