@@ -214,6 +214,8 @@ pub struct TechniqueRow {
     pub bad_at: &'static str,
     /// A figure for both; README.md says from which measurements these are. Ratios are efficiencies, 1 / (relMSE x seconds).
     pub measured: &'static str,
+    /// In Spanish, for the page of the lecture: what it solves, its bias, what it is good and bad at.
+    pub spanish: [&'static str; 4],
     /// Its parameters.
     pub parameters: &'static [Parameter],
 }

@@ -3,7 +3,6 @@
 use super::contest::{self, EQUAL_TIME};
 use super::prelude::*;
 use super::scenes::{CORNELL, DOOR, LAMPS, REFLECTED, RING, Room, SMALL_LIGHT, SPHERES};
-use super::spanish;
 use crate::report::html::escape;
 use crate::techniques::{Bias, TECHNIQUES, TechniqueRow};
 
@@ -93,7 +92,7 @@ fn row(row: &TechniqueRow) -> Vec<Text> {
         Bias::Consistent(why) => format!("consistent: {why}"),
     };
     let english = [row.solves.what(), &bias, row.good_at, row.bad_at].map(escape);
-    let spanish = spanish::of(row.name).map_or_else(|| english.clone(), |words| words.map(escape));
+    let spanish = row.spanish.map(escape);
     let name = same(format!("<code>{}</code>", row.name));
     std::iter::once(name).chain(english.into_iter().zip(spanish).map(|(en, es)| text(en, es))).collect()
 }

@@ -15,7 +15,6 @@ mod prelude;
 mod radiosity;
 mod roulette;
 mod scenes;
-mod spanish;
 mod strategies;
 
 use super::chapter::Chapter;

@@ -36,6 +36,12 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
     measured: "58 times `path` in `bidirectional_room`, 185 in `caustic_small_light`; 0.50 in `cornell`, 0.91 in \
                `torus_in_glass`",
+    spanish: [
+        "todo el transporte de luz",
+        "insesgada",
+        "lámparas con pantalla, habitaciones iluminadas a través de una pared, cáusticas vistas directamente",
+        "luz a la que es fácil apuntar, pues cada muestra tarda varias veces más; cáusticas vistas en espejos",
+    ],
     parameters: &[WEIGHTS],
 };
 
@@ -57,6 +63,12 @@ pub const VCM: TechniqueRow = TechniqueRow {
     good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
     bad_at: "light that is easy to aim at: its samples take the longest",
     measured: "97 times `path` in `ring_caustic`, 85 in `reflected_caustic`, 3.2 in `small_vcm`; 0.21 in `cornell`",
+    spanish: [
+        "todo el transporte de luz",
+        "consistente: desenfocada en un radio que mengua con cada muestra",
+        "toda clase de luz en una imagen, incluidas las cáusticas vistas en espejos y las superficies satinadas",
+        "luz a la que es fácil apuntar: sus muestras son las que más tardan",
+    ],
     parameters: &[
         WEIGHTS,
         Parameter {

@@ -24,5 +24,11 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",
     measured: "22 times `path` in `caustic_small_light`, 0.68 in `cornell`; 0.82 of the light of the former, 0.54 in \
                `reflected_caustic`: the rest stays black",
+    spanish: [
+        "todo el transporte de luz",
+        "insesgada",
+        "cáusticas sobre superficies mates que la cámara ve directamente",
+        "espejos y vidrios, que quedan negros, y habitaciones de las que la cámara ve poco",
+    ],
     parameters: &[],
 };

@@ -29,6 +29,12 @@ pub const MLT: TechniqueRow = TechniqueRow {
     measured: "`multiplexed` 21 times `path` in `bidirectional_room`, where `bdpt` has 80 times, and 0.028 in `cornell`; \
                `paths` over `bdpt` 0.15 (0.06 to 0.39) in `door_ajar`, 1.2 (0.2 to 7.0) in `torus_in_glass`, 0.25 (0.04 to \
                1.6) in `ring_caustic`: their means are right, and fireflies decide",
+    spanish: [
+        "todo el transporte de luz",
+        "consistente: la media por la que se escalan las visitas de sus cadenas se estima con los mismos caminos",
+        "salas iluminadas a través de una pared: un camino difícil de encontrar lleva a sus vecinos",
+        "luz a la que es fácil apuntar, donde volver a los mismos caminos dice poco de nuevo; luz que solo el azar encuentra",
+    ],
     parameters: &[
         Parameter {
             name: "form",

@@ -20,6 +20,12 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
     good_at: "soft shadows, and to see each way of sampling them by itself",
     bad_at: "rooms: nothing in it has bounced twice",
     measured: "47 % of the light that surfaces show the camera in `cornell`, 30 % in `door_ajar`",
+    spanish: [
+        "emisión y luz directa",
+        "insesgada",
+        "sombras suaves, y ver por separado cada manera de muestrearlas",
+        "habitaciones: en ella nada ha rebotado dos veces",
+    ],
     parameters: &[Parameter {
         name: "sampling",
         about: "what chooses the direction to the light: both with MIS, the lights, or the BSDF",
@@ -47,6 +53,12 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     good_at: "mirrors and clear glass under direct light: one sample follows all branches",
     bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
     measured: "0.74 of the relMSE of one branch by chance on the glass of `cornell_spheres`, at equal rays",
+    spanish: [
+        "emisión y luz directa, también la que muestran los espejos y el vidrio liso",
+        "insesgada",
+        "espejos y vidrio claro bajo luz directa: una muestra sigue todas las ramas",
+        "la luz entre superficies mates y la que un vidrio deja pasar hasta ellas: no tiene ninguna de las dos",
+    ],
     parameters: &[
         Parameter {
             name: "branches",
@@ -91,6 +103,12 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
     bad_at: "small lamps, which chance seldom finds",
     measured: "1/46 of `path` in `cornell`, 1/63 on `veach_mis`",
+    spanish: [
+        "todo el transporte de luz",
+        "insesgada",
+        "lámparas y cielos tan grandes que el azar los encuentra; es el trazador más corto de leer",
+        "lámparas pequeñas, que el azar rara vez encuentra",
+    ],
     parameters: &[
         Parameter {
             name: "form",
@@ -129,6 +147,12 @@ pub const PATH: TechniqueRow = TechniqueRow {
     bad_at: "caustics, and lamps hidden in their fittings",
     measured: "46 times `path-implicit` in `cornell`; 1/93 of `photon` in `torus_in_glass`, 1/58 of `bdpt` in \
                `bidirectional_room`",
+    spanish: [
+        "todo el transporte de luz",
+        "insesgada",
+        "la mayoría de las escenas: siempre que los caminos de la cámara puedan apuntar a la luz",
+        "cáusticas, y lámparas escondidas en sus pantallas",
+    ],
     parameters: &[],
 };
 
@@ -150,6 +174,12 @@ pub const PATH_RECURSIVE: TechniqueRow = TechniqueRow {
     good_at: "reading the rendering equation in the code",
     bad_at: "speed: what its calls wait for is kept in memory",
     measured: "0.55 of the samples per second of `path` in `cornell` on an H200",
+    spanish: [
+        "todo el transporte de luz",
+        "insesgada",
+        "leer la ecuación de render en el código",
+        "la velocidad: lo que esperan sus llamadas se guarda en memoria",
+    ],
     parameters: &[Parameter {
         name: "returns",
         about: "radiance: each call weighs what the inner one returns; nothing: it hands the weight down and adds by itself, which \

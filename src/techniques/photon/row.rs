@@ -26,6 +26,12 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     good_at: "caustics, also as mirrors and glass show them",
     bad_at: "glossy surfaces, and light that is easy to aim at",
     measured: "93 times `path` in `torus_in_glass`, 158 in `reflected_caustic`; 0.074 in `cornell`, 0.51 in `small_vcm`",
+    spanish: [
+        "todo el transporte de luz",
+        "consistente: desenfocada en un radio que mengua con cada muestra",
+        "cáusticas, también como las muestran los espejos y los vidrios",
+        "superficies satinadas, y luz a la que es fácil apuntar",
+    ],
     parameters: &[
         Parameter {
             name: "direct",
