@@ -3,15 +3,8 @@
 #include "techniques/bidirectional/mis.glsl"
 #include "transport/camera_connection.glsl"
 #include "transport/emission.glsl"
+#include "transport/light_vertices.glsl"
 #include "transport/nee.glsl"
-
-// What the light pass leaves of a light subpath: its vertices that are not delta alone.
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LightPath { uint count; LightVertex at[]; };
-
-LightPath light_path_at(uint64_t place) {
-    uint64_t bytes = 4ul + uint64_t(LIGHT_VERTEX_BYTES) * uint64_t(frame.light_vertices);
-    return LightPath(unpack32(pack64(frame.light_paths) + place * bytes));
-}
 
 // That of subpath `index` of a sample. For a grid all subpaths of a sample lie there; else those of the frame, whose pixels are numbered
 // like their subpaths.
@@ -78,16 +71,14 @@ Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, E
     LightSample light = no_light();
     Vertex w;
     Bsdf far;
-    Ray arrived = Ray(end.y.position, end.y.direction, INFINITY);
+    Ray arrived = light_vertex_ray(end.y);
     float distance2 = 1.0;
     vec3 towards;
     if (end.light) {
         light = light_sample(vertex_reference(v, b), end.u);
         towards = light.wi;
     } else {
-        w = vertex_at(arrived, Hit(0.0, end.y.primitive, end.y.instance, end.y.uv));
-        end.random.dimension = end.y.dimension;
-        far = vertex_material(w, arrived, end.random);
+        w = light_vertex(end.y, end.random, far);
         vec3 d = w.at.position - v.at.position;
         distance2 = dot(d, d);
         if (distance2 == 0.0) return c;
