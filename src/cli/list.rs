@@ -86,6 +86,7 @@ fn page() -> String {
             bias(row),
             if row.misses.is_empty() { none() } else { all_of(misses) },
             if row.by_chance.is_empty() { none() } else { all_of(chance) },
+            shader(row.file),
         ]);
     }
     text.push_str(&table.end());
@@ -124,10 +125,15 @@ fn page() -> String {
     );
     let mut table = Table::new(&["name", "shader"]);
     for row in BACKENDS {
-        table.row(&[code(row.name), format!("[`{0}`](../shaders/trace/{0})", row.file)]);
+        table.row(&[code(row.name), shader(&format!("trace/{}", row.file))]);
     }
     text.push_str(&table.end());
     text
+}
+
+/// A link to a file below `shaders/`.
+fn shader(file: &str) -> String {
+    format!("[{}](../shaders/{file})", code(file.rsplit('/').next().unwrap_or(file)))
 }
 
 /// The values of a parameter for a table.
@@ -158,7 +164,7 @@ fn about(row: &TechniqueRow) -> Vec<(&'static str, String)> {
         lines.push(("misses", all_of(row.misses.iter().map(|missing| missing.what()))));
     }
     if !row.by_chance.is_empty() {
-        lines.push(("by chance", all_of(row.by_chance.iter().map(|chance| chance.what()))));
+        lines.push(("rarely", all_of(row.by_chance.iter().map(|chance| chance.what()))));
     }
     lines.extend([("good at", row.good_at.to_owned()), ("bad at", row.bad_at.to_owned())]);
     lines.push(("measured", row.measured.replace('`', "")));

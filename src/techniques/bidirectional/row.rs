@@ -33,7 +33,7 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     by_chance: &[Chance::HiddenCaustics],
     referee: true,
     good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
-    bad_at: "light that is easy to aim at, as a sample takes several times as long; caustics seen in mirrors",
+    bad_at: "light that next-event estimation samples well, as a sample takes several times as long; caustics seen in mirrors",
     measured: "58 times `path` in `bidirectional_room`, 185 in `caustic_small_light`; 0.50 in `cornell`, 0.91 in \
                `torus_in_glass`",
     spanish: [
@@ -61,7 +61,7 @@ pub const VCM: TechniqueRow = TechniqueRow {
     by_chance: &[],
     referee: true,
     good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
-    bad_at: "light that is easy to aim at: its samples take the longest",
+    bad_at: "light that next-event estimation samples well: its samples take the longest",
     measured: "97 times `path` in `ring_caustic`, 85 in `reflected_caustic`, 3.2 in `small_vcm`; 0.21 in `cornell`",
     spanish: [
         "todo el transporte de luz",

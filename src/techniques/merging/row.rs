@@ -14,8 +14,8 @@ pub const GRID_FILL: Pass = pass("grid-fill", Over::Elements);
 /// Within which paths from the camera meet vertices of light paths, see `radius.rs`.
 pub const RADIUS: Parameter = Parameter {
     name: "radius",
-    about: "within which the first sample looks for light paths, as a share of the radius of all that does not emit; 0 is one over \
-            the root of the number of light paths in a sample, which is that of pixels where there is room",
+    about: "radius of the first sample's merges, as a share of the radius of all that does not emit; 0 is one over the root of the number \
+            of light subpaths in a sample, which is that of pixels where there is room",
     values: Values::Number(0.0, 1.0, 0.0),
     biased: None,
     misses: &[],
@@ -24,7 +24,7 @@ pub const RADIUS: Parameter = Parameter {
 /// How that shrinks.
 pub const ALPHA: Parameter = Parameter {
     name: "alpha",
-    about: "how slowly it shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
+    about: "how slowly the radius shrinks: its square falls like samples^(alpha - 1), the variance like samples^-alpha",
     values: Values::Number(0.01, 1.0, 2.0 / 3.0),
     biased: Some(("1", "with alpha=1 its radius stays as it is")),
     misses: &[],

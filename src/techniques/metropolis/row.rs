@@ -25,7 +25,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
     by_chance: &[Chance::HiddenCaustics],
     referee: false,
     good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
-    bad_at: "light that is easy to aim at, where visits to the same paths say little that is new; light that only chance finds",
+    bad_at: "light that next-event estimation samples well, where correlated samples gain nothing; light that it cannot sample (SDS paths)",
     measured: "`multiplexed` 21 times `path` in `bidirectional_room`, where `bdpt` has 80 times, and 0.028 in `cornell`; \
                `paths` over `bdpt` 0.15 (0.06 to 0.39) in `door_ajar`, 1.2 (0.2 to 7.0) in `torus_in_glass`, 0.25 (0.04 to \
                1.6) in `ring_caustic`: their means are right, and fireflies decide",
@@ -50,7 +50,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
         },
         Parameter {
             name: "large-step",
-            about: "probability that a mutation draws all numbers anew",
+            about: "probability of a large step: a mutation that samples an independent path",
             values: Values::Number(0.01, 1.0, 0.3),
             biased: None,
             misses: &[],
@@ -65,15 +65,15 @@ pub const MLT: TechniqueRow = TechniqueRow {
         },
         Parameter {
             name: "candidates",
-            about: "paths that chains may begin with, rounded down; there are as many as chains at least",
+            about: "bootstrap samples: paths that chains may begin with, rounded down; there are as many as chains at least",
             values: Values::Number(1.0, 268435456.0, 1048576.0),
             biased: None,
             misses: &[],
         },
         Parameter {
             name: "bound",
-            about: "K, in means of the target over all paths that bring anything: one that brings w is visited in proportion to w / (1 + w / K), \
-                    and each visit counts for 1 + w / K",
+            about: "K, in means of the target over all paths that contribute: a path of contribution w over density is visited in proportion to \
+                    w / (1 + w / K), and each visit counts for 1 + w / K",
             values: Values::Number(1.5, 1e9, 1000.0),
             biased: None,
             misses: &[],

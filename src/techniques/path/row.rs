@@ -19,7 +19,7 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
     referee: true,
     good_at: "soft shadows, and to see each way of sampling them by itself",
     bad_at: "rooms: nothing in it has bounced twice",
-    measured: "47 % of the light that surfaces show the camera in `cornell`, 30 % in `door_ajar`",
+    measured: "47 % of the light on surfaces in `cornell`, 30 % in `door_ajar`",
     spanish: [
         "emisión y luz directa",
         "insesgada",
@@ -52,7 +52,7 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     referee: true,
     good_at: "mirrors and clear glass under direct light: one sample follows all branches",
     bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
-    measured: "0.74 of the relMSE of one branch by chance on the glass of `cornell_spheres`, at equal rays",
+    measured: "0.74 of the relMSE of one sampled branch on the glass of `cornell_spheres`, at equal rays",
     spanish: [
         "emisión y luz directa, también la que muestran los espejos y el vidrio liso",
         "insesgada",
@@ -62,7 +62,7 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     parameters: &[
         Parameter {
             name: "branches",
-            about: "where glass or a coating both reflects and refracts: follow both, or one by chance",
+            about: "where glass or a coating both reflects and refracts: follow both, or sample one",
             values: Values::Choice(&["both", "one"]),
             biased: None,
             misses: &[],
@@ -100,8 +100,8 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     misses: &[Missing::DeltaLights],
     by_chance: &[Chance::Caustics],
     referee: false,
-    good_at: "lamps and skies so large that chance finds them; the shortest path tracer to read",
-    bad_at: "small lamps, which chance seldom finds",
+    good_at: "lamps and skies so large that BSDF samples hit them; the shortest path tracer to read",
+    bad_at: "small lamps, which BSDF samples seldom hit",
     measured: "1/46 of `path` in `cornell`, 1/63 on `veach_mis`",
     spanish: [
         "todo el transporte de luz",
@@ -143,7 +143,7 @@ pub const PATH: TechniqueRow = TechniqueRow {
     misses: &[Missing::DeltaCaustics],
     by_chance: &[Chance::Caustics],
     referee: true,
-    good_at: "most scenes: wherever the camera's paths can aim at the light",
+    good_at: "most scenes: wherever next-event estimation samples the light",
     bad_at: "caustics, and lamps hidden in their fittings",
     measured: "46 times `path-implicit` in `cornell`; 1/93 of `photon` in `torus_in_glass`, 1/58 of `bdpt` in \
                `bidirectional_room`",

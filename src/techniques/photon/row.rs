@@ -24,7 +24,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     by_chance: &[Chance::GlossyCaustics],
     referee: true,
     good_at: "caustics, also as mirrors and glass show them",
-    bad_at: "glossy surfaces, and light that is easy to aim at",
+    bad_at: "glossy surfaces, and light that next-event estimation samples well",
     measured: "93 times `path` in `torus_in_glass`, 158 in `reflected_caustic`; 0.074 in `cornell`, 0.51 in `small_vcm`",
     spanish: [
         "todo el transporte de luz",
@@ -35,7 +35,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     parameters: &[
         Parameter {
             name: "direct",
-            about: "what brings light that was scattered once: next-event estimation, or photons like all other",
+            about: "what estimates light that was scattered once: next-event estimation, or photons like all other",
             values: Values::Choice(&["nee", "photons"]),
             biased: None,
             misses: &[],
