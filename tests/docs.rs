@@ -76,7 +76,7 @@ fn links_lead_to_what_they_name() {
                 continue;
             }
             let source = at.extension().is_some_and(|extension| extension == "rs" || extension == "glsl");
-            let name = text.trim_matches('`');
+            let name = text.trim_matches('`').rsplit("::").next().unwrap_or_default();
             let identifier =
                 text.len() > 2 && !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
             if source && text.starts_with('`') && identifier && !read(&at).contains(name) {
