@@ -30,7 +30,7 @@ vec2 sample_triangle(vec2 u) {
     return b;
 }
 
-// Weight of the first of two techniques, each with one sample (Veach 1997, section 9.2.4), the power heuristic with
+// Weight of the first of two techniques, each with one sample (Veach 1997, section 9.2.3), the power heuristic with
 // exponent 2. Written so that densities up to the largest float neither overflow nor cancel.
 float power_heuristic(float pdf, float other) {
     float ratio = other / pdf;

@@ -51,7 +51,7 @@ NextEvent nee_sample(Path path, Vertex v, Bsdf b, vec4 u, inout BsdfSample s) {
     return nee_connect(path, v, b, light, s);
 }
 
-// MIS weight of the light sample against the BSDF's choice of its direction (power heuristic; Veach 1997, section 9.2.4).
+// MIS weight of the light sample against the BSDF's choice of its direction (power heuristic; Veach 1997, section 9.2.3).
 float nee_weight(NextEvent n) { return n.light.delta ? 1.0 : power_heuristic(n.light.pdf_w, n.pdf_w); }
 
 // The weighted contribution, as far as it comes through: traces the shadow ray unless there is nothing to lose.

@@ -47,7 +47,7 @@ const float LARGEST_SUM = 1e26;
 
 void mis_bound(inout SubpathMis m) { m = SubpathMis(min(m.d_vcm, LARGEST_SUM), min(m.d_vc, LARGEST_SUM)); }
 
-// A ratio of densities as the heuristic takes it (Veach 1997, section 9.2.2).
+// A ratio of densities as the heuristic takes it (Veach 1997, sections 9.2.2 and 9.2.3).
 float heuristic(float ratio) {
     if (PARAM0 == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
     float r = min(ratio, 1e13);
