@@ -196,6 +196,8 @@ fn run() -> Result<(), String> {
     }
     write_if_changed(&generated.join("layout.glsl"), layout::glsl().as_bytes())?;
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
+    write_if_changed(&generated.join("materials.glsl"), layout::materials_glsl().as_bytes())?;
+    write_if_changed(&generated.join("lights.glsl"), layout::lights_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));
     for source in ["build.rs", "src/layout", "src/spirv", "src/techniques/table.rs"] {

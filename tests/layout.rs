@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use lumbre::layout::{self, SPECIALISATION, address};
+use lumbre::layout::{self, address, specialisation};
 
 /// The passes that hold everything that is shared, and the kernels that have structs of their own.
 const MODULES: [&str; 14] = [
@@ -147,7 +147,7 @@ fn specialisation_ids_are_the_same_on_both_sides() {
     let mut checked = 0;
     for (constant, id) in module.decorated(SPEC_ID) {
         let name = names.get(&constant).cloned().unwrap_or_default();
-        if let Some(constant) = SPECIALISATION.iter().find(|constant| constant.name == name) {
+        if let Some(constant) = specialisation().find(|constant| constant.name == name) {
             assert_eq!(id, constant.id, "{name}");
             checked += 1;
         }

@@ -11,7 +11,7 @@ use crate::common::mutation::Mutator;
 use crate::common::{backends, canon, has_time, render, settings, with_gpu};
 use lumbre::gpu;
 use lumbre::layout::backend::Backend;
-use lumbre::layout::{CAMERA_ORTHOGRAPHIC, FILTER_MITCHELL, INLINE_FIRST_ID, INLINE_MAX, SPECIALISATION};
+use lumbre::layout::{CAMERA_ORTHOGRAPHIC, FILTER_MITCHELL, INLINE_FIRST_ID, INLINE_MAX, specialisation};
 use lumbre::render::Settings;
 use lumbre::spirv::{Arithmetic, Specialised, specialise};
 
@@ -56,7 +56,7 @@ fn constants(values: Values) -> Vec<(u32, u32)> {
     };
     let mut all: Vec<(u32, u32)> = Vec::new();
     let mut triangles = 0;
-    for constant in SPECIALISATION {
+    for constant in specialisation() {
         let value = match constant.kind {
             "bool" => pick(0, 1),
             "uint" => {

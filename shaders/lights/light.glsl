@@ -33,26 +33,17 @@ vec3 light_space(Light light, vec3 w) {
 
 #include "lights/emit.glsl"
 #include "lights/light_tree.glsl"
-#include "lights/triangle.glsl"
-#include "lights/sphere.glsl"
-#include "lights/point.glsl"
-#include "lights/spot.glsl"
-#include "lights/projector.glsl"
-#include "lights/directional.glsl"
+// The lights but for the background, and the branches by kind, from the list in src/layout/lights.rs.
+#include "generated/lights.glsl"
 #include "lights/background.glsl"
 
-const bool HAS_DELTA_LIGHTS = HAS_POINT_LIGHTS || HAS_SPOT_LIGHTS || HAS_PROJECTORS || HAS_DIRECTIONAL_LIGHTS;
-
 // It has no extent, or no spread of directions: no path from elsewhere runs into it.
-bool is_delta_light(Light light) { return light.kind != LIGHT_TRIANGLE && light.kind != LIGHT_SPHERE; }
+bool is_delta_light(Light light) { return IS_DELTA_LIGHT(light); }
 
 // Such a light as seen from a point: there is one way only.
 LightSample delta_light_sample(Light light, vec3 p) {
     LightSample s = no_light();
-    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) s = point_light_sample(light, p);
-    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) s = spot_light_sample(light, p);
-    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) s = projector_light_sample(light, p);
-    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) s = directional_light_sample(light, p);
+    SAMPLE_DELTA_LIGHT(s, light, p)
     return s;
 }
 
@@ -95,8 +86,7 @@ LightSample light_sample(ReferencePoint r, vec4 u) {
     Light light;
     LightSample s = no_light();
     if (!light_choose(r, u.xy, light)) return s;
-    if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_sample(light, p, u.zw);
-    if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_sample(light, p, u.zw);
+    SAMPLE_AREA_LIGHT(s, light, p, u.zw)
     if (HAS_DELTA_LIGHTS && is_delta_light(light)) s = delta_light_sample(light, p);
     return s;
 }
@@ -125,12 +115,7 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     if (count > 1u && u.y >= load_light(index).emission_keep) index = load_light(index).emission_alias;
     Light light = load_light(index);
     EmittedRay e = no_emission();
-    if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) e = triangle_light_emit(light, u.zw, v.xy);
-    if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) e = sphere_light_emit(light, u.zw, v.xy);
-    if (HAS_POINT_LIGHTS && light.kind == LIGHT_POINT) e = point_light_emit(light, v.xy);
-    if (HAS_SPOT_LIGHTS && light.kind == LIGHT_SPOT) e = spot_light_emit(light, v.xy);
-    if (HAS_PROJECTORS && light.kind == LIGHT_PROJECTOR) e = projector_light_emit(light, v.xy);
-    if (HAS_DIRECTIONAL_LIGHTS && light.kind == LIGHT_DIRECTIONAL) e = directional_light_emit(light, v.xy);
+    EMIT_LIGHT(e, light, u.zw, v.xy)
     e.light = index;
     if (HAS_ABSORPTION) e.absorption = light.absorption;
     return e;

@@ -13,7 +13,7 @@ vec3 spot_intensity(Light light, vec3 away) {
         float way = clamp((dot(away, light.v1) - edge) / max(0.001, cos(beam) - edge), 0.0, 1.0);
         falloff = way * way;
     }
-    if (HAS_PROJECTORS && light.source != NONE) {
+    if (HAS_TEXTURED_SPOTS && light.source != NONE) {
         vec3 local = light_space(light, away);
         vec2 uv = 0.5 + 0.5 * local.xy / (local.z * tan(cutoff));
         light.radiance *= local.z > 0.0 ? texture_at(light.source, uv).rgb : vec3(0.0);

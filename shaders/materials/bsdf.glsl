@@ -25,29 +25,20 @@ BsdfSample bsdf_open_sample(vec3 wi, float eta) { return BsdfSample(wi, vec3(0.0
 BsdfSample bsdf_no_sample(vec3 wi) { return BsdfSample(wi, vec3(0.0), 0.0, false, 1.0, false); }
 
 #include "materials/microfacet.glsl"
-#include "materials/diffuse.glsl"
-#include "materials/conductor.glsl"
-#include "materials/rough_conductor.glsl"
-#include "materials/dielectric.glsl"
-#include "materials/thin_dielectric.glsl"
-#include "materials/rough_dielectric.glsl"
+
+// Whether the material is of a kind; false at compile time where the scene has none of it (`present`), which no function could hand back.
+#define is_kind(b, present, is) (present && (b).m.kind == is)
+
+// The BSDFs and the branches by kind, from the list of materials in src/layout/materials.rs.
+#include "generated/materials.glsl"
 #include "materials/compensation.glsl"
-#include "materials/plastic.glsl"
-#include "materials/rough_plastic.glsl"
-#include "materials/principled.glsl"
-#include "materials/layered.glsl"
 
 // A material at a point: its parameters with its textures looked up.
 struct Bsdf {
     Material m;
-    Plastic plastic;
-    Principled principled;
-    Layered layered;
+    BSDF_DETAILS
     Compensation compensation;
 };
-
-// Whether the material is of a kind; false at compile time where the scene has none of it (`present`), which no function could hand back.
-#define is_kind(b, present, is) (present && (b).m.kind == is)
 
 #include "materials/properties.glsl"
 
@@ -63,11 +54,7 @@ Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler rand
             b.m = load_material(next4(random).x < weight ? blend.second : blend.first);
         }
     }
-    if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) {
-        if (b.m.kind == MATERIAL_PLASTIC || b.m.kind == MATERIAL_ROUGH_PLASTIC) b.plastic = Plastics(scene.plastics).at[b.m.detail];
-    }
-    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) b.principled = Principleds(scene.principleds).at[b.m.detail];
-    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) b.layered = Layereds(scene.layereds).at[b.m.detail];
+    LOAD_BSDF_DETAILS(b)
     if (is_compensated(b.m)) b.compensation = Compensations(scene.compensations).at[b.m.detail];
     if (HAS_COLOURS && (b.m.flags & MATERIAL_HAS_COLOURS) != 0u) b.m.reflectance *= colour.rgb;
     if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
@@ -77,10 +64,7 @@ Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler rand
 }
 
 // Every lobe is a delta: light sampling cannot hit it.
-bool bsdf_is_delta(Bsdf b) {
-    return is_kind(b, HAS_CONDUCTOR, MATERIAL_CONDUCTOR) || is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC) ||
-           is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC);
-}
+bool bsdf_is_delta(Bsdf b) { return ALL_LOBES_ARE_DELTA(b); }
 
 // Some lobe passes light through: its frame is never turned round.
 bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 0u; }
@@ -94,16 +78,7 @@ BsdfSample bsdf_choose(Bsdf b, vec3 wo, vec3 u) {
         probability = compensation_probability(b.m, b.compensation, wo);
         compensates = compensation_chosen(probability, u.z);
     }
-    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) s = diffuse_sample(b.m, wo, u);
-    if (is_kind(b, HAS_CONDUCTOR, MATERIAL_CONDUCTOR)) s = conductor_sample(b.m, wo, u);
-    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) s = rough_conductor_sample(b.m, wo, u);
-    if (is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC)) s = dielectric_sample(b.m, wo, u);
-    if (is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC)) s = thin_dielectric_sample(b.m, wo, u);
-    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) s = rough_dielectric_sample(b.m, wo, u);
-    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) s = plastic_sample(b.m, b.plastic, wo, u);
-    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) s = rough_plastic_sample(b.m, b.plastic, wo, u);
-    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) s = principled_sample(b.m, b.principled, wo, u);
-    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) s = layered_sample(b.m, b.layered, wo, u);
+    SAMPLE_BSDF(s, b, wo, u)
     if (is_compensated(b.m)) s = compensation_sample(b.m, b.compensation, wo, u, s, probability, compensates);
     return s;
 }
@@ -111,13 +86,7 @@ BsdfSample bsdf_choose(Bsdf b, vec3 wo, vec3 u) {
 // f |cos_i| of the non-delta lobes.
 vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
     vec3 f = vec3(0.0);
-    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) f = diffuse_eval(b.m, wo, wi);
-    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) f = rough_conductor_eval(b.m, wo, wi);
-    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) f = rough_dielectric_eval(b.m, wo, wi);
-    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) f = plastic_eval(b.m, b.plastic, wo, wi);
-    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) f = rough_plastic_eval(b.m, b.plastic, wo, wi);
-    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) f = principled_eval(b.m, b.principled, wo, wi);
-    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) f = layered_eval(b.m, b.layered, wo, wi);
+    EVALUATE_BSDF(f, b, wo, wi)
     if (is_compensated(b.m)) f += compensation_eval(b.m, b.compensation, wo, wi);
     return f;
 }
@@ -125,13 +94,7 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
 // Density over solid angle with which bsdf_sample picks wi, of the non-delta lobes.
 float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
     float pdf = 0.0;
-    if (is_kind(b, HAS_DIFFUSE, MATERIAL_DIFFUSE)) pdf = diffuse_pdf(b.m, wo, wi);
-    if (is_kind(b, HAS_ROUGH_CONDUCTOR, MATERIAL_ROUGH_CONDUCTOR)) pdf = rough_conductor_pdf(b.m, wo, wi);
-    if (is_kind(b, HAS_ROUGH_DIELECTRIC, MATERIAL_ROUGH_DIELECTRIC)) pdf = rough_dielectric_pdf(b.m, wo, wi);
-    if (is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC)) pdf = plastic_pdf(b.m, b.plastic, wo, wi);
-    if (is_kind(b, HAS_ROUGH_PLASTIC, MATERIAL_ROUGH_PLASTIC)) pdf = rough_plastic_pdf(b.m, b.plastic, wo, wi);
-    if (is_kind(b, HAS_PRINCIPLED, MATERIAL_PRINCIPLED)) pdf = principled_pdf(b.m, b.principled, wo, wi);
-    if (is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) pdf = layered_pdf(b.m, b.layered, wo, wi);
+    BSDF_DENSITY(pdf, b, wo, wi)
     if (is_compensated(b.m)) {
         float probability = compensation_probability(b.m, b.compensation, wo);
         pdf = mix(pdf, compensation_pdf(b.m, b.compensation, wo, wi), probability);
@@ -140,11 +103,7 @@ float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
 }
 
 // Some BSDF is long to compile.
-const bool HAS_LONG_BSDF =
-    HAS_ROUGH_CONDUCTOR || HAS_ROUGH_DIELECTRIC || HAS_ROUGH_PLASTIC || HAS_PRINCIPLED || HAS_LAYERED || HAS_ENERGY_COMPENSATION;
-
-// Some sample is left open.
-const bool HAS_OPEN_SAMPLES = HAS_ROUGH_PLASTIC || HAS_PRINCIPLED || HAS_LAYERED;
+const bool HAS_LONG_BSDF = HAS_LONG_MATERIAL || HAS_ENERGY_COMPENSATION;
 
 // Densities over solid angle with which bsdf_sample picks wi for wo, and wo for wi.
 vec2 bsdf_pdf_both(Bsdf b, vec3 wo, vec3 wi) {

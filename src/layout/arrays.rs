@@ -79,6 +79,8 @@ pub struct BufferReference {
     pub name: &'static str,
     /// The GLSL type of an element.
     pub element: &'static str,
+    /// The array: its address is this member of `scene`.
+    pub array: &'static str,
 }
 
 macro_rules! buffer_references {
@@ -86,16 +88,21 @@ macro_rules! buffer_references {
         $( $(#[$doc:meta])* $field:ident $(: $kind:ident)? $(in $buffer:ident)?, $name:literal $(if $need:ident)?; )*
     } )*) => {
         /// The references of all rows that have one; some rows share theirs.
-        const ROWS: &[Option<BufferReference>] = &[$($( buffer_references!(@row $($kind)? $(in $buffer)?) ),*),*];
+        const ROWS: &[Option<BufferReference>] = &[$($( buffer_references!(@row $field $($kind)? $(in $buffer)?) ),*),*];
     };
-    (@row $kind:ident in $buffer:ident) => {
-        Some(BufferReference { name: stringify!($buffer), element: stringify!($kind) })
+    (@row $field:ident $kind:ident in $buffer:ident) => {
+        Some(BufferReference { name: stringify!($buffer), element: stringify!($kind), array: stringify!($field) })
     };
-    (@row $($kind:ident)?) => {
+    (@row $field:ident $($kind:ident)?) => {
         None
     };
 }
 scene_arrays!(buffer_references);
+
+/// The type of a reference to the array of such elements, and the array; nothing where there is none.
+pub fn of_element(element: &str) -> Option<(&'static str, &'static str)> {
+    ROWS.iter().flatten().find(|row| row.element == element).map(|row| (row.name, row.array))
+}
 
 /// Every GLSL type of a reference to an array, once.
 pub fn buffer_references() -> Vec<BufferReference> {

@@ -34,32 +34,6 @@ shared_constants! {
     /// Flag on [`Primitive::surface`]: the triangle has tangents.
     pub const TANGENT_BIT = 0x1000_0000;
 
-    /// Lambertian reflection.
-    pub const MATERIAL_DIFFUSE = 0;
-    /// A mirror of metal.
-    pub const MATERIAL_CONDUCTOR = 1;
-    /// A rough metal (GGX).
-    pub const MATERIAL_ROUGH_CONDUCTOR = 2;
-    /// Smooth glass.
-    pub const MATERIAL_DIELECTRIC = 3;
-    /// Rough glass (GGX).
-    pub const MATERIAL_ROUGH_DIELECTRIC = 4;
-
-    /// A thin sheet of glass, met once.
-    pub const MATERIAL_THIN_DIELECTRIC = 5;
-    /// A diffuse base under a smooth coating.
-    pub const MATERIAL_PLASTIC = 6;
-    /// A diffuse base under a rough coating (GGX).
-    pub const MATERIAL_ROUGH_PLASTIC = 7;
-    /// Burley's principled BSDF.
-    pub const MATERIAL_PRINCIPLED = 8;
-    /// The layered material of glTF.
-    pub const MATERIAL_LAYERED = 9;
-    /// One of two materials, by chance.
-    pub const MATERIAL_BLEND = 10;
-    /// Kinds of material.
-    pub const MATERIAL_KINDS = 11;
-
     /// Flag on [`Material::flags`]: microfacets mask each other with correlated heights.
     pub const MASKING_CORRELATED = 1;
     /// Flag on [`Material::flags`]: microfacet slopes are Beckmann's instead of GGX's.
@@ -98,22 +72,8 @@ shared_constants! {
     /// Values of a row of a [`Compensation`]'s table.
     pub const COMPENSATION_CELLS = 129;
 
-    /// A triangle that emits from its front.
-    pub const LIGHT_TRIANGLE = 0;
-    /// A sphere that emits outwards.
-    pub const LIGHT_SPHERE = 1;
-    /// An isotropic point.
-    pub const LIGHT_POINT = 2;
-    /// A point with a cone.
-    pub const LIGHT_SPOT = 3;
-    /// Parallel light from infinitely far.
-    pub const LIGHT_DIRECTIONAL = 4;
-    /// A point that projects a texture.
-    pub const LIGHT_PROJECTOR = 5;
     /// Flag on [`LightNode::link`]: the node is one light.
     pub const LIGHT_LEAF_BIT = 0x8000_0000;
-    /// Kinds of light.
-    pub const LIGHT_KINDS = 6;
 
     /// All rays begin in one point.
     pub const CAMERA_PINHOLE = 0;

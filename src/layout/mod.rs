@@ -15,14 +15,20 @@ mod macros;
 mod arrays;
 pub mod backend;
 mod constants;
+mod features;
 mod frame_structs;
+mod lights;
+mod materials;
 mod scene_structs;
 mod scene_uniforms;
 mod specialisation;
 
 pub(crate) use arrays::scene_arrays;
 pub use constants::*;
+pub(crate) use features::features;
 pub use frame_structs::*;
+pub use lights::*;
+pub use materials::*;
 pub use scene_structs::*;
 pub use scene_uniforms::*;
 pub use specialisation::*;
@@ -74,9 +80,6 @@ pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
     scene_structs::STRUCTS.iter().chain(scene_uniforms::STRUCTS).chain(frame_structs::STRUCTS)
 }
 
-/// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
-pub const INLINE_FIRST_ID: u32 = 100;
-
 /// `LightVertex` as `LIGHT_VERTEX`.
 fn upper_case(name: &str) -> String {
     let word = |(index, letter): (usize, char)| {
@@ -93,11 +96,17 @@ pub fn glsl() -> String {
     for constant in CONSTANTS {
         text += &format!("const uint {} = {}u;\n", constant.name, constant.value);
     }
+    let kinds =
+        [MATERIALS.iter().map(|kind| kind.constant).collect(), LIGHTS.iter().map(|kind| kind.constant).collect()];
+    for kinds in kinds {
+        let kinds: Vec<&str> = kinds;
+        kinds.iter().enumerate().for_each(|(value, name)| text += &format!("const uint {name} = {value}u;\n"));
+    }
     for shared in structs() {
         text += &format!("const uint {}_BYTES = {}u;\n", upper_case(shared.name), shared.size);
     }
     text.push('\n');
-    for constant in SPECIALISATION {
+    for constant in specialisation() {
         let default = if constant.kind == "bool" { "false" } else { "1" }; // 1: some are sizes of arrays
         text +=
             &format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
@@ -107,7 +116,7 @@ pub fn glsl() -> String {
         text += shared.glsl;
         text.push('\n');
     }
-    for arrays::BufferReference { name, element } in arrays::buffer_references() {
+    for arrays::BufferReference { name, element, .. } in arrays::buffer_references() {
         text += &format!(
             "layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer {name} {{ {element} at[]; }};\n"
         );

@@ -86,7 +86,9 @@ fn constants(
     inline: &[Primitive],
 ) -> Result<Constants> {
     let [param0, param1, param2, param3] = settings.technique.words();
-    let mut special = Specialisation {
+    let special = Specialisation {
+        needs: settings.needs(scene),
+        camera: settings.image_plane(scene)?.kind,
         length_layers: settings.layers(),
         strategies: settings.strategies.is_some(),
         max_depth: settings.max_depth.unwrap_or(NONE),
@@ -102,10 +104,7 @@ fn constants(
         param1,
         param2,
         param3,
-        ..Specialisation::default()
     };
-    settings.needs(scene).specialise(&mut special);
-    special.camera = settings.image_plane(scene)?.kind;
     let mut constants = special.words();
     let coordinates = inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
     constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));

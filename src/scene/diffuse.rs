@@ -1,8 +1,7 @@
 //! What a technique that knows diffuse surfaces alone makes of a scene.
 
 use super::Scene;
-use super::needs::material_kind;
-use crate::layout::{MATERIAL_BLEND, MATERIAL_DIFFUSE, NONE};
+use crate::layout::{MATERIAL_BLEND, MATERIAL_DIFFUSE, MATERIALS, NONE};
 
 impl Scene {
     /// The materials in use that are not diffuse: by name, where they have one, and kind. Of a blend those that it is made of.
@@ -22,7 +21,7 @@ impl Scene {
         let others = (0..self.materials.len()).filter(|index| seen[*index]);
         let others = others.filter(|index| !matches!(self.materials[*index].kind, MATERIAL_DIFFUSE | MATERIAL_BLEND));
         let called = |index: usize| {
-            let kind = material_kind(self.materials[index].kind);
+            let kind = MATERIALS[self.materials[index].kind as usize].word;
             match self.material_names.get(index).and_then(Option::as_ref) {
                 Some(name) => format!("'{name}' ({kind})"),
                 None => format!("material {index} ({kind})"),

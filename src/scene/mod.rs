@@ -30,11 +30,10 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    AliasEntry, Blend, Compensation, Corners, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, Layered, Light, LightNode, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_LAYERED,
-    MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
-    MATERIAL_THIN_DIELECTRIC, Material, MaterialTextures, NONE, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
-    Texture, float, scene_arrays, vec2, vec3, vec4,
+    AliasEntry, Blend, Compensation, Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, LIGHTS, Layered, Light, LightNode,
+    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    MATERIALS, Material, MaterialKind, MaterialTextures, NONE, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
+    Texture, Trait, float, scene_arrays, vec2, vec3, vec4,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -147,8 +146,7 @@ impl Scene {
 
     /// Whether some light is one that no direction hits by chance: a point, a spot, a projector, parallel light.
     pub fn has_delta_lights(&self) -> bool {
-        let delta = [LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROJECTOR];
-        self.lights.iter().any(|light| delta.contains(&light.kind))
+        self.lights.iter().any(|light| LIGHTS[light.kind as usize].delta)
     }
 
     /// Whether light comes from where few directions lead to: from points, from surfaces that are small beside the scene, or from a
@@ -171,8 +169,8 @@ impl Scene {
 
     /// Whether some material is a mirror or smooth glass, or is coated so.
     pub fn has_smooth(&self) -> bool {
-        let smooth = [MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_THIN_DIELECTRIC, MATERIAL_PLASTIC];
-        self.materials.iter().any(|material| smooth.contains(&material.kind))
+        let is_smooth = |kind: &MaterialKind| kind.has(Trait::AllDelta) || kind.has(Trait::SomeDelta);
+        self.materials.iter().any(|material| is_smooth(&MATERIALS[material.kind as usize]))
     }
 
     /// Whether some material reflects or refracts nearly like a mirror or smooth glass, somewhere: light that it throws elsewhere is found by a

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use serde::Serialize;
 
 use lumbre::image::{Texels, TextureImage};
-use lumbre::layout::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE};
+use lumbre::layout::LIGHTS;
 use lumbre::render::{KernelSize, Prediction};
 use lumbre::scene::{Group, Needs, Scene};
 
@@ -85,7 +85,7 @@ impl Census {
         let corner = |corner: glam::Vec3| (scene.origin + corner.as_dvec3()).to_array();
         let mut lights = BTreeMap::new();
         for light in &scene.lights {
-            *lights.entry(light_name(light.kind)).or_default() += 1;
+            *lights.entry(LIGHTS[light.kind as usize].prefix).or_default() += 1;
         }
         Self {
             schema: "lumbre-info-1",
@@ -119,18 +119,6 @@ fn count(scene: &Scene, of: impl Fn(&Group) -> usize) -> Count {
     Count {
         unique: scene.groups.iter().map(|group| of(group) as u64).sum(),
         placed: scene.instances.iter().map(|placed| of(&scene.groups[placed.group]) as u64).sum(),
-    }
-}
-
-fn light_name(kind: u32) -> &'static str {
-    match kind {
-        LIGHT_TRIANGLE => "triangle",
-        LIGHT_SPHERE => "sphere",
-        LIGHT_POINT => "point",
-        LIGHT_SPOT => "spot",
-        LIGHT_DIRECTIONAL => "directional",
-        LIGHT_PROJECTOR => "projector",
-        _ => "other",
     }
 }
 
