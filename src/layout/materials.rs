@@ -133,14 +133,19 @@ pub fn materials_glsl() -> String {
     for detail in &details {
         let kinds: Vec<&MaterialKind> =
             rows.iter().filter(|(_, bsdf)| bsdf.detail == Some(*detail)).map(|(kind, _)| *kind).collect();
-        // Features first: where a scene has none of the kinds, no comparison is left.
-        let present = either(kinds.iter().map(|kind| kind.feature.to_owned()).collect());
-        let is_one = either(kinds.iter().map(|kind| format!("b.m.kind == {}", kind.constant)).collect());
-        let (buffer, array) = arrays::of_element(detail.0).unwrap_or_default();
-        text += &format!(
-            " \\\n    if ({present}) {{ if ({is_one}) b.{} = {buffer}(scene.{array}).at[b.m.detail]; }}",
-            detail.1
-        );
+        let read = {
+            let (buffer, array) = arrays::of_element(detail.0).unwrap_or_default();
+            format!("b.{} = {buffer}(scene.{array}).at[b.m.detail];", detail.1)
+        };
+        text += &match &kinds[..] {
+            [kind] => format!(" \\\n    if ({}) {read}", is(kind)),
+            // Features first: where a scene has none of the kinds, no comparison is left.
+            _ => {
+                let present = either(kinds.iter().map(|kind| kind.feature.to_owned()).collect());
+                let is_one = either(kinds.iter().map(|kind| format!("b.m.kind == {}", kind.constant)).collect());
+                format!(" \\\n    if ({present}) {{ if ({is_one}) {read} }}")
+            }
+        };
     }
     let arguments = |bsdf: &Bsdf| bsdf.detail.map_or(String::from("b.m"), |(_, member)| format!("b.m, b.{member}"));
     let mut branches = |about: &str, head: &str, result: &str, call: &str, rest: &str, with_delta: bool| {
