@@ -29,6 +29,8 @@ struct Variant {
     file: String,
     /// What `#include "trace/backend.glsl"` stands for.
     backend: &'static layout::backend::BackendRow,
+    /// Whose parameters `#include "generated/parameters.glsl"` stands for.
+    technique: Option<&'static table::TechniqueRow>,
     /// A macro that is defined as 1.
     define: Option<String>,
 }
@@ -41,7 +43,16 @@ fn files_in(folder: &str) -> Vec<String> {
     names
 }
 
-fn variants() -> Vec<Variant> {
+/// The technique whose parameters a kernel that belongs to none has: it says so in a line `// Parameters of technique: NAME`.
+fn technique_of_kernel(file: &str) -> Result<Option<&'static table::TechniqueRow>, String> {
+    let text = fs::read_to_string(file).map_err(|error| format!("cannot read {file}: {error}"))?;
+    let Some(name) = text.lines().find_map(|line| line.strip_prefix("// Parameters of technique: ")) else {
+        return Ok(None);
+    };
+    table::find(name.trim()).map(Some).ok_or_else(|| format!("{file}: there is no technique '{}'", name.trim()))
+}
+
+fn variants() -> Result<Vec<Variant>, String> {
     let mut all = Vec::new();
     for backend in layout::backend::BACKENDS {
         for row in table::TECHNIQUES {
@@ -50,6 +61,7 @@ fn variants() -> Vec<Variant> {
                     name: row.module(pass, backend.name),
                     file: row.file.to_owned(),
                     backend,
+                    technique: Some(row),
                     define: Some(pass.define()),
                 });
             }
@@ -60,29 +72,35 @@ fn variants() -> Vec<Variant> {
                 if kernel == "count.glsl" && !backend.counts {
                     continue;
                 }
+                let technique = technique_of_kernel(&format!("shaders/kernels/{folder}/{kernel}"))?;
                 all.push(Variant {
                     name: format!("{folder}/{}.{}", kernel.trim_end_matches(".glsl"), backend.name),
                     file: format!("kernels/{folder}/{kernel}"),
                     backend,
+                    technique,
                     define: None,
                 });
             }
         }
     }
-    all
+    Ok(all)
 }
 
 /// The text that `#include "name"` stands for.
-fn resolve(name: &str, generated: &Path, backend: &layout::backend::BackendRow) -> Result<(String, String), String> {
+fn resolve(name: &str, generated: &Path, variant: &Variant) -> Result<(String, String), String> {
     let (shown, path) = match name.strip_prefix("generated/") {
         Some(file) => (name.to_owned(), generated.join(file)),
         None if name == "trace/backend.glsl" => {
-            let file = format!("trace/{}", backend.file);
+            let file = format!("trace/{}", variant.backend.file);
             (format!("shaders/{file}"), Path::new("shaders").join(file))
         }
         None => (format!("shaders/{name}"), Path::new("shaders").join(name)),
     };
-    let text = fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    let text = if name == "generated/parameters.glsl" {
+        variant.technique.map_or_else(String::new, table::TechniqueRow::parameters_glsl)
+    } else {
+        fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?
+    };
     // Each file takes part once, as if it had an include guard.
     let guard: String =
         shown.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect();
@@ -106,7 +124,7 @@ fn fingerprint(variant: &Variant, generated: &Path) -> Result<u64, String> {
         if !seen.insert(name.clone()) {
             continue;
         }
-        let (_, text) = resolve(&name, generated, variant.backend)?;
+        let (_, text) = resolve(&name, generated, variant)?;
         without_comments(&text).hash(&mut hasher);
         for line in text.lines() {
             if let Some(included) = line.trim().strip_prefix("#include \"").and_then(|rest| rest.strip_suffix('"')) {
@@ -129,7 +147,7 @@ fn compile(compiler: &shaderc::Compiler, variant: &Variant, generated: &Path) ->
         options.add_macro_definition(define, Some("1"));
     }
     options.set_include_callback(|name, _, _, _| {
-        let (resolved_name, content) = resolve(name, generated, variant.backend)?;
+        let (resolved_name, content) = resolve(name, generated, variant)?;
         Ok(shaderc::ResolvedInclude { resolved_name, content })
     });
     let artifact = compiler
@@ -211,7 +229,7 @@ fn run() -> Result<(), String> {
     }
 
     // Compiling takes a tenth of a second each: every core takes the next one until none is left.
-    let all = variants();
+    let all = variants()?;
     let next = AtomicUsize::new(0);
     let results: Mutex<Vec<(usize, Result<Made, String>)>> = Mutex::default();
     std::thread::scope(|scope| {

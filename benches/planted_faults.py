@@ -81,7 +81,7 @@ FAULTS = [
           "handed_down * s.weight / survival;", "handed_down * s.weight / mix(1.0, survival, 0.95);",
           "calls that roulette ended are made up for by 5 % too little", ["recursion::what_calls_return"]),
     Fault("direct-emitter-weight", "shaders/techniques/path/direct.glsl",
-          "PARAM0 == SAMPLE_BOTH ? nee_weight(n)", "PARAM0 == SAMPLE_BOTH ? 1.03 * nee_weight(n)",
+          "SAMPLING == SAMPLING_MIS ? nee_weight(n)", "SAMPLING == SAMPLING_MIS ? 1.03 * nee_weight(n)",
           "light samples weigh 3 % too much where both are taken", [FORMULAS, "agreement::techniques_agree_on_cornell"]),
     Fault("light-importance", "shaders/transport/camera_connection.glsl",
           "c.contribution *= c.view.importance /", "c.contribution *= 1.02 * c.view.importance /",

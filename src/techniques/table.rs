@@ -162,8 +162,11 @@ pub enum Values {
     Number(f32, f32, f32),
 }
 
-/// One parameter of a technique: the specialisation constant `PARAM0` is the first one's, and so on up to the fourth. Further ones are for
-/// the host alone.
+/// How many parameters of a technique, from the first on, its shaders get: specialisation constants `PARAM0`, `PARAM1` and so on, which
+/// they call by the parameters' names ([`TechniqueRow::parameters_glsl`]). Further ones are for the host alone.
+pub const SHADER_PARAMETERS: usize = 4;
+
+/// One parameter of a technique.
 #[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its name on the command line: `-i technique:name=value`.
@@ -241,6 +244,26 @@ impl TechniqueRow {
     /// The name of the module of one pass for a backend: `vcm.grid-clear.bvh`.
     pub fn module(&self, pass: &Pass, backend: &str) -> String {
         format!("{}.{}.{backend}", self.name, pass.name)
+    }
+
+    /// The text of `generated/parameters.glsl` in its modules: for each parameter that a shader gets a macro that is its value, and for
+    /// each word of a choice a constant to compare it with: `SAMPLING == SAMPLING_EMITTER`, `1.0 - Q`.
+    pub fn parameters_glsl(&self) -> String {
+        let upper = |name: &str| name.to_uppercase().replace('-', "_");
+        let mut text = format!("// Generated from the row of {}.\n", self.name);
+        for (index, parameter) in self.parameters.iter().take(SHADER_PARAMETERS).enumerate() {
+            let name = upper(parameter.name);
+            match parameter.values {
+                Values::Choice(words) => {
+                    text += &format!("#define {name} PARAM{index}\n");
+                    for (value, word) in words.iter().enumerate() {
+                        text += &format!("const uint {name}_{} = {value}u;\n", upper(word));
+                    }
+                }
+                Values::Number(..) => text += &format!("#define {name} uintBitsToFloat(PARAM{index})\n"),
+            }
+        }
+        text
     }
 }
 

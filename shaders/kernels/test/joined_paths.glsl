@@ -1,6 +1,7 @@
 // The paths that bdpt joins, vertex by vertex, one from the light and one from the camera for each pixel of the first sample: followed as
 // techniques/bidirectional/light_pass.glsl and camera_pass.glsl do, with the same random numbers. The layout of an answer is
 // src/verify/path_weights.rs's.
+// Parameters of technique: bdpt
 #version 460
 #include "core/prelude.glsl"
 

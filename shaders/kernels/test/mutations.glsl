@@ -1,10 +1,12 @@
 // What chains of mlt:form=paths propose to go to, with the ratio that would decide; nothing is decided. One mutation for each chain, whose
 // number the host gives. The layout of the answers is src/verify/balance.rs's.
+// Parameters of technique: mlt
 #version 460
 #define SAMPLER_OF_CHAINS
 #include "core/prelude.glsl"
 #include "techniques/metropolis/chains.glsl"
 #include "trace/trace.glsl"
+#include "generated/parameters.glsl"
 #include "techniques/metropolis/path_mutations.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -28,7 +30,7 @@ void main() {
     uint chain = gl_GlobalInvocationID.x;
     if (chain >= frame.slot_count) return;
     uint answer = ANSWER * chain;
-    Proposal p = chain_propose(chain, MutationNumbers(frame.lengths).at[chain], uintBitsToFloat(PARAM1));
+    Proposal p = chain_propose(chain, MutationNumbers(frame.lengths).at[chain], LARGE_STEP);
     Estimate e;
     estimate_clear(e);
     e.rays = 0u;

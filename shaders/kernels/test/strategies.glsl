@@ -1,5 +1,6 @@
 // The weights of all strategies for paths that are given by their densities, put together from techniques/bidirectional/mis.glsl as
 // techniques/bidirectional/bdpt.glsl and vcm.glsl do. Vertex 0 is the camera, the last one lies on a light; the layout of a query is src/verify/weights.rs's.
+// Parameters of technique: vcm
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"

@@ -5,6 +5,7 @@
 // merging" (technical report); docs/mis.md derives them, with what this file adds.
 //
 // Densities per area are in units of one over the square of the scene's radius: weights do not depend on its scale.
+#include "generated/parameters.glsl"
 #include "transport/light_subpath.glsl"
 
 // The strategies that take part. Whoever includes this file says of which technique.
@@ -16,21 +17,16 @@
 const bool CONNECTS = true, MEETS_LENS = true, MERGES = false, MERGES_FIRST = false;
 #elif defined(STRATEGIES_OF_MULTIPLEXED)
 const bool CONNECTS = true, MEETS_LENS = false, MERGES = false, MERGES_FIRST = false;
+const uint WEIGHTS_POWER = 0u, WEIGHTS_BALANCE = 1u, WEIGHTS_NONE = 2u;
+#define WEIGHTS WEIGHTS_BALANCE // as Hachisuka et al. 2014 have it: no parameter of `mlt`
 #elif defined(STRATEGIES_OF_VCM)
-const uint FORM_VCM = 0u; // PARAM1: all
-const uint FORM_BPM = 1u; // bidirectional photon mapping: merges anywhere, and running into lights
-const uint FORM_PPM = 2u; // progressive photon mapping: a merge at the camera's first vertex that is not a mirror or smooth glass
-const uint FORM_BPT = 3u; // bidirectional path tracing: no merges
-const bool CONNECTS = PARAM1 == FORM_VCM || PARAM1 == FORM_BPT, MEETS_LENS = true;
-const bool MERGES = PARAM1 != FORM_BPT, MERGES_FIRST = PARAM1 == FORM_PPM;
+// bpm, bidirectional photon mapping: merges anywhere, and running into lights. ppm, progressive photon mapping: a merge at the camera's
+// first vertex that is not a mirror or smooth glass. bpt, bidirectional path tracing: no merges.
+const bool CONNECTS = FORM == FORM_VCM || FORM == FORM_BPT, MEETS_LENS = true;
+const bool MERGES = FORM != FORM_BPT, MERGES_FIRST = FORM == FORM_PPM;
 #else
 #error "techniques/bidirectional/mis.glsl: define STRATEGIES_OF_BDPT, STRATEGIES_OF_MULTIPLEXED or STRATEGIES_OF_VCM before including it"
 #endif
-
-// PARAM0 of techniques that combine strategies.
-const uint WEIGHTS_POWER = 0u;   // the power heuristic, exponent 2
-const uint WEIGHTS_BALANCE = 1u; // the balance heuristic
-const uint WEIGHTS_NONE = 2u;    // all strategies that can sample the path count alike
 
 // The longest path that has vertices from both sides.
 uint longest() { return MERGES_FIRST ? MAX_DEPTH : min(MAX_DEPTH, BIDIRECTIONAL_LENGTH); }
@@ -47,11 +43,12 @@ const float LARGEST_SUM = 1e26;
 
 void mis_bound(inout SubpathMis m) { m = SubpathMis(min(m.d_vcm, LARGEST_SUM), min(m.d_vc, LARGEST_SUM)); }
 
-// A ratio of densities as the heuristic takes it (Veach 1997, sections 9.2.2 and 9.2.3).
+// A ratio of densities as the heuristic takes it (Veach 1997, sections 9.2.2 and 9.2.3): the power heuristic has the exponent 2, the balance
+// heuristic 1; without weights all strategies that can sample the path count alike.
 float heuristic(float ratio) {
-    if (PARAM0 == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
+    if (WEIGHTS == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
     float r = min(ratio, 1e13);
-    return PARAM0 == WEIGHTS_POWER ? r * r : r;
+    return WEIGHTS == WEIGHTS_POWER ? r * r : r;
 }
 
 float scaled_area(float area) { return area / (scene.radius * scene.radius); }

@@ -17,6 +17,7 @@
 #else
 #define SAMPLER_OF_CHAINS
 #include "trace/trace.glsl"
+#include "generated/parameters.glsl"
 #include "transport/lanes.glsl"
 
 // Each form has a Walk, the path that a proposal makes on its way, with
@@ -64,7 +65,7 @@ bool begin(inout Lane lane) {
     lane.chain = lane.place + table.chains_of_sample * (lane.sample_index % (table.chains / table.chains_of_sample));
     lane.mutation = lane.sample_index * table.mutations + lane.done + 1u;
     if (makes_bootstrap()) lane.proposal = bootstrap_proposal(lane.place);
-    else lane.proposal = chain_propose(lane.chain, lane.mutation, uintBitsToFloat(PARAM1));
+    else lane.proposal = chain_propose(lane.chain, lane.mutation, LARGE_STEP);
     estimate_clear(lane.e);
     return walk_begin(lane.proposal, makes_bootstrap() ? gl_GlobalInvocationID.x : lane.chain, lane.e, lane.walk);
 }

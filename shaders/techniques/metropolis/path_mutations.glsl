@@ -11,7 +11,7 @@
 // than the perturbation's own is none: the way back would be another one.
 #include "techniques/metropolis/path_value.glsl"
 
-const uint LARGE_STEP = 0u;
+const uint INDEPENDENT = 0u;
 const uint BIDIRECTIONAL = 1u;
 const uint FROM_CAMERA = 2u;
 const uint TOWARDS_CAMERA = 3u;
@@ -132,11 +132,11 @@ void mutation_begin(inout Mutation m) {
     m.backwards = false;
     m.leaves = true;
     uint caustic = 0u;
-    if (m.kind != LARGE_STEP) {
+    if (m.kind != INDEPENDENT) {
         caustic = caustic_chain(c);
         m.kind = u.x < 1.0 / 3.0 ? BIDIRECTIONAL : caustic > 0u && u.x < 2.0 / 3.0 ? TOWARDS_CAMERA : FROM_CAMERA;
     }
-    if (m.kind == LARGE_STEP) {
+    if (m.kind == INDEPENDENT) {
         m.first = 0u;
         m.last = r.segments + 1u;
     } else if (m.kind == BIDIRECTIONAL) {
@@ -316,7 +316,7 @@ void mutation_open(Proposal p, uint room, out Mutation m) {
     m.random.known = 0u;
     m.current = begun ? p.from.known : 1u;
     m.from_segments = p.from.kind + 1u;
-    m.kind = p.large ? LARGE_STEP : BIDIRECTIONAL;
+    m.kind = p.large ? INDEPENDENT : BIDIRECTIONAL;
     m.runs = p.large && p.kind == most_segments();
     m.position = p.from.position;
     m.route = Route(room, 1u - m.current, p.large ? min(p.kind + 1u, most_segments()) : m.from_segments, 0u, 0u, NONE, false);
@@ -365,7 +365,7 @@ bool mutation_follow(inout Mutation m, Proposal p, inout Estimate e, inout Weigh
     w.share = 1.0 / density.y;
     w.ran = density.x / density.y;
     if (p.from.known == NONE) return false;
-    if (m.kind == LARGE_STEP) {
+    if (m.kind == INDEPENDENT) {
         w.ratio = f * w.share / p.from.brings;
         return false;
     }

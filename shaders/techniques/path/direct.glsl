@@ -8,16 +8,13 @@
 #include "transport/emission.glsl"
 #include "transport/nee.glsl"
 #include "transport/camera_lanes.glsl"
-
-const uint SAMPLE_BOTH = 0u;
-const uint SAMPLE_EMITTER = 1u;
-const uint SAMPLE_BSDF = 2u;
+#include "generated/parameters.glsl"
 
 // The weight of light found by the BSDF's choice of direction, given its weight under both techniques.
-float by_bsdf(Path path, float both) { return path.delta || PARAM0 == SAMPLE_BSDF ? 1.0 : PARAM0 == SAMPLE_BOTH ? both : 0.0; }
+float by_bsdf(Path path, float both) { return path.delta || SAMPLING == SAMPLING_BSDF ? 1.0 : SAMPLING == SAMPLING_MIS ? both : 0.0; }
 
 // The weight of a light sample.
-float by_emitter(NextEvent n) { return n.light.delta || PARAM0 == SAMPLE_EMITTER ? 1.0 : PARAM0 == SAMPLE_BOTH ? nee_weight(n) : 0.0; }
+float by_emitter(NextEvent n) { return n.light.delta || SAMPLING == SAMPLING_EMITTER ? 1.0 : SAMPLING == SAMPLING_MIS ? nee_weight(n) : 0.0; }
 
 bool extend(inout CameraLane lane) {
     Path path = lane.path;
@@ -36,7 +33,7 @@ bool extend(inout CameraLane lane) {
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
     NextEvent n = nee_sample(path, v, b, light_u, s);
     contribute(lane.e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, by_emitter(n), lane.e.rays));
-    if (!bsdf_is_delta(b) && PARAM0 == SAMPLE_EMITTER) return false;
+    if (!bsdf_is_delta(b) && SAMPLING == SAMPLING_EMITTER) return false;
     path_scatter(path, v, b, s);
     lane.path = path;
     return path.throughput != vec3(0.0);

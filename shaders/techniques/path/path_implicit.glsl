@@ -8,8 +8,8 @@
 #include "trace/trace.glsl"
 #include "transport/emission.glsl"
 #include "transport/camera_lanes.glsl"
+#include "generated/parameters.glsl"
 
-const uint FORM_BIASED = 1u;
 const uint FIXED_LENGTH = 8u; // of the biased form, where the scene gives no limit
 
 bool implicit_extend(inout Path path, inout Estimate e) {
@@ -18,7 +18,7 @@ bool implicit_extend(inout Path path, inout Estimate e) {
     vec3 emission;
     if (!arrive_at_emission(path, v, emission, e)) return false;
     if (v.material == NONE) return false;
-    if (PARAM0 == FORM_BIASED) {
+    if (FORM == FORM_BIASED) {
         if (emission != vec3(0.0) || path.depth + 1u >= min(MAX_DEPTH, FIXED_LENGTH)) return false;
     } else if (path.depth + 1u >= MAX_DEPTH) {
         return false;
@@ -31,8 +31,8 @@ bool implicit_extend(inout Path path, inout Estimate e) {
     if (path.throughput == vec3(0.0)) return false;
 
     // 3. Russian roulette with a constant probability of ending.
-    if (PARAM0 != FORM_BIASED && path.depth >= RR_DEPTH) {
-        float q = uintBitsToFloat(PARAM1);
+    if (FORM != FORM_BIASED && path.depth >= RR_DEPTH) {
+        float q = Q;
         if (u.w < q) return false;
         path.throughput /= 1.0 - q;
     }

@@ -14,8 +14,7 @@
 #include "transport/emission.glsl"
 #include "transport/nee.glsl"
 #include "transport/camera_lanes.glsl"
-
-const bool RETURNS_RADIANCE = PARAM0 == 0u;
+#include "generated/parameters.glsl"
 
 // What a call leaves on the stack. It returns emission + direct + weight * what the inner call returns.
 struct Call {
@@ -70,20 +69,20 @@ bool radiance(inout Path path, inout Estimate e) {
     Vertex v;
     if (!path_arrive(path, v, e.rays)) {
         if (HAS_BACKGROUND) {
-            vec3 handed_down = RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
+            vec3 handed_down = RETURNS == RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
             call.emission = handed_down * background_radiance(path.ray.direction) * background_weight(path);
-            if (RETURNS_RADIANCE) push(call, e); else contribute(e, path.depth + 1u, call.emission);
+            if (RETURNS == RETURNS_RADIANCE) push(call, e); else contribute(e, path.depth + 1u, call.emission);
         }
         return false;
     }
     before.throughput = vec3(1.0);
     path_absorb(before, v); // this call's own segment
-    vec3 handed_down = RETURNS_RADIANCE ? before.throughput : path.throughput;
+    vec3 handed_down = RETURNS == RETURNS_RADIANCE ? before.throughput : path.throughput;
 
     // Emission.
     vec3 emission = vertex_emission(v, path.ray);
     if (emission != vec3(0.0)) call.emission = handed_down * emission * emission_weight(path, v);
-    if (!RETURNS_RADIANCE) contribute(e, path.depth + 1u, call.emission);
+    if (RETURNS == RETURNS_NOTHING) contribute(e, path.depth + 1u, call.emission);
     bool ends = path.depth + 1u >= MAX_DEPTH || v.material == NONE;
 
     if (!ends) {
@@ -94,7 +93,7 @@ bool radiance(inout Path path, inout Estimate e) {
         BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
         NextEvent n = nee_sample(path, v, b, light_u, s);
         call.direct = nee_visible(path, v, b, n, handed_down, nee_weight(n), e.rays);
-        if (!RETURNS_RADIANCE) contribute(e, path.depth + 2u, call.direct);
+        if (RETURNS == RETURNS_NOTHING) contribute(e, path.depth + 2u, call.direct);
 
         // The inner call.
         path_scatter(path, v, b, s);
@@ -105,7 +104,7 @@ bool radiance(inout Path path, inout Estimate e) {
             call.weight = handed_down * s.weight / survival;
         }
     }
-    if (RETURNS_RADIANCE) push(call, e);
+    if (RETURNS == RETURNS_RADIANCE) push(call, e);
     return !ends;
 }
 

@@ -11,10 +11,9 @@
 #include "transport/nee.glsl"
 #include "transport/camera_lanes.glsl"
 #include "lights/middle.glsl"
+#include "generated/parameters.glsl"
 
-const bool BRANCHES = PARAM0 == 0u;
-const bool POINT_LIGHTS = PARAM1 == 1u;
-uint shadow_rays() { return uint(uintBitsToFloat(PARAM2)); }
+uint shadow_rays() { return uint(SHADOW_RAYS); }
 
 // The recursion's stack: branches that wait for their turn. Each level of the tree leaves at most one; where there is no room, a path
 // follows one by chance.
@@ -67,7 +66,7 @@ void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
         vec4 u = next4(path.random);
         LightSample light = no_light();
-        if (POINT_LIGHTS) light = light_middle_sample(vertex_reference(v, b), u);
+        if (LIGHTS == LIGHTS_POINT) light = light_middle_sample(vertex_reference(v, b), u);
         else light = light_sample(vertex_reference(v, b), u);
         BsdfSample none = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
         NextEvent n = nee_connect(path, v, b, light, none);
@@ -85,7 +84,7 @@ bool branch_extend(inout Path path, inout Estimate e) {
     if (!bsdf_is_delta(b)) connect_lights(path, v, b, e);
 
     vec4 u = next4(path.random);
-    if (!BRANCHES || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
+    if (BRANCHES == BRANCHES_ONE || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
     BsdfSample first, second;
     lobes(path, v, b, u.xy, first, second);
     Path other = path;

@@ -41,7 +41,7 @@ bool follow(inout Path path, inout Estimate e) {
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
-    if (PARAM0 == DIRECT_NEE) {
+    if (DIRECT == DIRECT_NEE) {
         NextEvent n = nee_sample(path, v, b, light_u, s);
         contribute(e, length + 1u, nee_visible(path, v, b, n, path.throughput, 1.0, e.rays));
     }

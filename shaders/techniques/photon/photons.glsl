@@ -1,8 +1,5 @@
 // The photons of a sample: of each light subpath a few, numbered subpath by subpath.
-
-// PARAM0: light that comes straight from its source is sampled at the camera's vertex, or is a photon like all other.
-const uint DIRECT_NEE = 0u;
-const uint DIRECT_PHOTONS = 1u;
+#include "generated/parameters.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PhotonPath { uint count; Photon at[]; };
 

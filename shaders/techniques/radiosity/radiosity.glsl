@@ -17,18 +17,14 @@
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
 #include "techniques/radiosity/gather.glsl"
-
-// PARAM1
-const uint SHOWN_VERTICES = 0u;
-const uint SHOWN_PATCHES = 1u;
-const uint SHOWN_GATHERED = 2u;
+#include "generated/parameters.glsl"
 
 #ifdef PASS_PIXELS
 #include "transport/camera_lanes.glsl"
 
 // The layer's irradiance at a hit.
 vec3 shown(PatchTable t, uint index, vec2 c, uint layer) {
-    if (PARAM1 == SHOWN_VERTICES) return interpolated(t, index, c, layer);
+    if (SHOWN == SHOWN_VERTICES) return interpolated(t, index, c, layer);
     return received(t, (round_index() & 1u) ^ 1u, layer).at[index];
 }
 
@@ -75,7 +71,7 @@ bool show(inout Path path, inout Estimate e) {
     vec3 carried = path.throughput * s.weight * (s.eta * s.eta * INV_PI);
     if (carried == vec3(0.0)) return false;
     PatchTable t = patch_table();
-    if (PARAM1 == SHOWN_GATHERED) return gather_finally(t, v, carried, path, e);
+    if (SHOWN == SHOWN_GATHERED) return gather_finally(t, v, carried, path, e);
     vec2 c;
     uint index = patch_at(t, v.hit, v.at.position, v.front, c);
     if (index == NONE) return false;
