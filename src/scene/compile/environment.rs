@@ -1,21 +1,39 @@
 //! Sampling an environment image in proportion to what it sheds.
 
+use glam::DMat3;
 use rayon::prelude::*;
 
 use super::alias::alias_table;
 use super::light::importance;
+use crate::error::{Error, Result};
 use crate::image::TextureImage;
 use crate::layout::AliasEntry;
+use crate::scene::texture::Pattern;
+use crate::scene::{Environment, SceneBuilder};
 
 /// The most cells of the table along one side. Larger images share cells.
 const MAX_CELLS: u32 = 2048;
+
+/// The environment with the table that it is sampled by; nothing where it is black.
+pub(super) fn sampled(
+    description: &SceneBuilder,
+    texture: u32,
+    axes: DMat3,
+) -> Result<Option<(Environment, Vec<AliasEntry>)>> {
+    let Pattern::Image(image) = description.textures[texture as usize].pattern else {
+        return Err(Error::scene(&description.source, "an environment must be an image"));
+    };
+    let rows = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.normalize().as_vec3().to_array());
+    Ok(table(&description.images[image])
+        .map(|(table, cells)| (Environment { texture, from_world: rows, cells }, table)))
+}
 
 /// An alias table over the cells of an image in latitude and longitude, weighted by luminance and solid angle; with its cells
 /// across and down. Nothing where the image is black.
 ///
 /// A cell's weight is the integral of the bilinear interpolation over it, whose kernel along one axis is (1, 6, 1) / 8: it
 /// is positive wherever the image sheds light, so that no direction is missed.
-pub(super) fn table(image: &TextureImage) -> Option<(Vec<AliasEntry>, [u32; 2])> {
+fn table(image: &TextureImage) -> Option<(Vec<AliasEntry>, [u32; 2])> {
     let (width, height) = (image.width, image.height);
     let luminance: Vec<f64> = (0..height)
         .into_par_iter()

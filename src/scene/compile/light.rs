@@ -1,13 +1,16 @@
 //! Entries of the light table for lamps, and what lights are worth when one of them is to be selected.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE,
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE, Surface,
 };
+use crate::scene::SceneBuilder;
 use crate::scene::light::{Falloff, Lamp};
+use crate::scene::texture::Pattern;
 
 /// Relative luminance of a linear sRGB colour (ITU-R BT.709).
 pub fn luminance(rgb: [f64; 3]) -> f64 {
@@ -84,4 +87,34 @@ pub(crate) fn power(light: &Light, scene_radius: f64) -> f64 {
 pub(crate) fn triangle_area(light: &Light) -> f64 {
     let [v0, v1, v2] = [light.position, light.v1, light.v2].map(|v| Vec3::from(v).as_dvec3());
     0.5 * (v1 - v0).cross(v2 - v0).length()
+}
+
+/// What its texture leaves of a light in the mean. `brightness` keeps the means of textures, which take a look at every
+/// texel: a mesh of many lights shares one.
+pub(super) fn textured_share(
+    description: &SceneBuilder,
+    light: &Light,
+    surfaces: &[Surface],
+    brightness: &mut HashMap<u32, f64>,
+) -> f64 {
+    let texture = match light.kind {
+        LIGHT_TRIANGLE | LIGHT_SPHERE => surfaces[light.source as usize].emission_texture,
+        LIGHT_SPOT | LIGHT_PROJECTOR => light.source,
+        _ => NONE,
+    };
+    Some(texture).filter(|texture| *texture != NONE).map_or(1.0, |texture| {
+        *brightness.entry(texture).or_insert_with(|| importance(texture_mean(description, texture)))
+    })
+}
+
+/// Mean of a texture's values.
+fn texture_mean(description: &SceneBuilder, texture: u32) -> [f64; 3] {
+    let texture = &description.textures[texture as usize];
+    match texture.pattern {
+        Pattern::Checkerboard(a, b) => [0, 1, 2].map(|channel| 0.5 * f64::from(a[channel] + b[channel])),
+        Pattern::Image(image) => {
+            let mean = description.images[image].mean();
+            [0, 1, 2].map(|i| (mean[i] * f64::from(texture.scale[i]) + f64::from(texture.offset[i])).max(0.0))
+        }
+    }
 }

@@ -19,21 +19,20 @@ mod texture;
 
 use std::collections::HashMap;
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 
 use crate::bvh::Bounds;
 use crate::error::{Error, Result, plain};
 use crate::image::srgb_table;
-use crate::layout::{AliasEntry, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NONE, Surface};
-use crate::scene::description::texture::Pattern;
-use crate::scene::description::{SceneBuilder, WORLD, union};
+use crate::layout::Light;
+use crate::scene::description::{SceneBuilder, WORLD};
 use crate::scene::material::MaterialDescription;
-use crate::scene::{Environment, Instance, Scene};
+use crate::scene::{Instance, Scene};
 use flatten::Flat;
-use light::importance;
+use light::{importance, textured_share};
 use light_table::Candidate;
 use materials::file_materials;
-use placement::{choose_origin, framing_camera};
+use placement::{choose_origin, framing_camera, world_extent};
 
 impl SceneBuilder {
     /// Places everything around a nearby origin, drops degenerate triangles, fills the light table, and puts in the
@@ -46,7 +45,7 @@ impl SceneBuilder {
                 format!("the film is {} x {} pixels: both must be 1 or more", self.film.width, self.film.height),
             ));
         }
-        let extent = self.world_extent()?;
+        let extent = world_extent(&self)?;
         if self.cameras.is_empty() {
             self.warnings.push(String::from("the scene has no camera: one that frames its bounds stands in"));
             self.cameras.push(framing_camera(extent));
@@ -97,7 +96,7 @@ impl SceneBuilder {
         let radius = (bounds.max - bounds.min).length() as f64 * 0.5;
         let mut background = self.background.filter(|rgb| importance(*rgb) > 0.0);
         let (environment, background_table) = match (self.environment, background) {
-            (Some((texture, axes)), Some(_)) => self.sample_environment(texture, axes)?.unzip(),
+            (Some((texture, axes)), Some(_)) => environment::sampled(&self, texture, axes)?.unzip(),
             _ => (None, None),
         };
         if self.environment.is_some() && environment.is_none() {
@@ -105,7 +104,7 @@ impl SceneBuilder {
             self.warnings.push(String::from("the image of the environment is black: it sheds no light"));
         }
         let mut brightness = HashMap::new();
-        let mut factor = |light: &Light| self.light_factor(light, &flat.surfaces, &mut brightness);
+        let mut factor = |light: &Light| textured_share(&self, light, &flat.surfaces, &mut brightness);
         let mut candidates: Vec<Candidate> =
             lamps.into_iter().map(|lamp| Candidate::lamp(lamp, factor(&lamp))).collect();
         candidates.extend(flat.emitters.iter().map(|emitter| Candidate::emitter(emitter, factor(&emitter.light))));
@@ -166,78 +165,5 @@ impl SceneBuilder {
         };
         scene.immerse_lights();
         Ok(scene)
-    }
-
-    /// The environment with the table that it is sampled by; nothing where it is black.
-    fn sample_environment(&self, texture: u32, axes: DMat3) -> Result<Option<(Environment, Vec<AliasEntry>)>> {
-        let Pattern::Image(image) = self.textures[texture as usize].pattern else {
-            return Err(Error::scene(&self.source, "an environment must be an image"));
-        };
-        let rows = [axes.x_axis, axes.y_axis, axes.z_axis].map(|axis| axis.normalize().as_vec3().to_array());
-        Ok(environment::table(&self.images[image])
-            .map(|(table, cells)| (Environment { texture, from_world: rows, cells }, table)))
-    }
-
-    /// What its texture leaves of a light in the mean. `brightness` keeps the means of textures, which take a look at every
-    /// texel: a mesh of many lights shares one.
-    fn light_factor(&self, light: &Light, surfaces: &[Surface], brightness: &mut HashMap<u32, f64>) -> f64 {
-        let texture = match light.kind {
-            LIGHT_TRIANGLE | LIGHT_SPHERE => surfaces[light.source as usize].emission_texture,
-            LIGHT_SPOT | LIGHT_PROJECTOR => light.source,
-            _ => NONE,
-        };
-        Some(texture)
-            .filter(|texture| *texture != NONE)
-            .map_or(1.0, |texture| *brightness.entry(texture).or_insert_with(|| importance(self.texture_mean(texture))))
-    }
-
-    /// The box around everything that is placed, in world coordinates; nothing where there is no geometry. A group that is
-    /// placed more than once counts by its box, not by its vertices, which may be many times all that the scene holds.
-    fn world_extent(&self) -> Result<Option<(DVec3, DVec3)>> {
-        let mut placements = vec![0usize; self.groups.len()];
-        self.instances.iter().for_each(|(group, _)| placements[*group] += 1);
-        let boxes: Vec<Option<(DVec3, DVec3)>> = self
-            .groups
-            .iter()
-            .zip(&placements)
-            .map(|(group, count)| if *count > 1 { group.extent(&DAffine3::IDENTITY) } else { None })
-            .collect();
-        let mut all = self.groups[WORLD].extent(&DAffine3::IDENTITY);
-        for (group, to_world) in &self.instances {
-            let placed = match boxes[*group] {
-                Some((min, max)) => {
-                    let corner = |index: usize| {
-                        let pick = |axis: usize| if index >> axis & 1 == 0 { min[axis] } else { max[axis] };
-                        to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)))
-                    };
-                    (0..8).map(|index| (corner(index), corner(index))).reduce(union)
-                }
-                None => self.groups[*group].extent(to_world),
-            };
-            all = all.into_iter().chain(placed).reduce(union);
-        }
-        match all {
-            Some((min, max))
-                if !(min.is_finite() && max.is_finite() && min.abs().max(max.abs()).max_element() < 1e18) =>
-            {
-                Err(Error::scene(
-                    &self.source,
-                    format!("the scene spans {min} to {max}: coordinates must be finite and below 1e18"),
-                ))
-            }
-            extent => Ok(extent),
-        }
-    }
-
-    /// Mean of a texture's values.
-    fn texture_mean(&self, texture: u32) -> [f64; 3] {
-        let texture = &self.textures[texture as usize];
-        match texture.pattern {
-            Pattern::Checkerboard(a, b) => [0, 1, 2].map(|channel| 0.5 * f64::from(a[channel] + b[channel])),
-            Pattern::Image(image) => {
-                let mean = self.images[image].mean();
-                [0, 1, 2].map(|i| (mean[i] * f64::from(texture.scale[i]) + f64::from(texture.offset[i])).max(0.0))
-            }
-        }
     }
 }
