@@ -1,8 +1,5 @@
 //! Constants that both sides name: kinds, flags, bindings, sizes.
 
-#[allow(unused_imports)] // named by the documentation
-use super::scene_structs::*;
-
 /// A constant with the same name and value on both sides.
 #[derive(Clone, Copy, Debug)]
 pub struct SharedConstant {
@@ -23,30 +20,30 @@ macro_rules! shared_constants {
 shared_constants! {
     /// No index.
     pub const NONE = u32::MAX;
-    /// Flag on [`Primitive::surface`]: the primitive is a sphere.
+    /// Flag on [`Primitive::surface`](super::Primitive::surface): the primitive is a sphere.
     pub const SPHERE_BIT = 0x8000_0000;
-    /// Flag on [`Primitive::surface`]: the triangle has vertex normals.
+    /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has vertex normals.
     pub const SMOOTH_BIT = 0x4000_0000;
-    /// The bits of [`Primitive::surface`] that index the surfaces.
+    /// The bits of [`Primitive::surface`](super::Primitive::surface) that index the surfaces.
     pub const SURFACE_MASK = 0x0fff_ffff;
-    /// Flag on [`Primitive::surface`]: the triangle has texture coordinates.
+    /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has texture coordinates.
     pub const UV_BIT = 0x2000_0000;
-    /// Flag on [`Primitive::surface`]: the triangle has tangents.
+    /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has tangents.
     pub const TANGENT_BIT = 0x1000_0000;
 
-    /// Flag on [`Material::flags`]: microfacets mask each other with correlated heights.
+    /// Flag on [`Material::flags`](super::Material::flags): microfacets mask each other with correlated heights.
     pub const MASKING_CORRELATED = 1;
-    /// Flag on [`Material::flags`]: microfacet slopes are Beckmann's instead of GGX's.
+    /// Flag on [`Material::flags`](super::Material::flags): microfacet slopes are Beckmann's instead of GGX's.
     pub const MICROFACET_BECKMANN = 2;
-    /// Flag on [`Material::flags`]: light passes through, so the material is the same from both sides.
+    /// Flag on [`Material::flags`](super::Material::flags): light passes through, so the material is the same from both sides.
     pub const MATERIAL_HAS_TRANSMISSION = 4;
-    /// Flag on [`Material::flags`]: the shading frame must follow the texture coordinates.
+    /// Flag on [`Material::flags`](super::Material::flags): the shading frame must follow the texture coordinates.
     pub const MATERIAL_HAS_TANGENTS = 8;
-    /// Flag on [`Material::flags`]: light that crosses it is weighted by what it absorbs inside.
+    /// Flag on [`Material::flags`](super::Material::flags): light that crosses it is weighted by what it absorbs inside.
     pub const MATERIAL_HAS_ABSORPTION = 16;
-    /// Flag on [`Material::flags`]: vertex colours multiply the reflectance.
+    /// Flag on [`Material::flags`](super::Material::flags): vertex colours multiply the reflectance.
     pub const MATERIAL_HAS_COLOURS = 32;
-    /// Flag on [`Material::flags`]: what a rough metal or rough glass loses to multiple scattering comes back.
+    /// Flag on [`Material::flags`](super::Material::flags): what a rough metal or rough glass loses to multiple scattering comes back.
     pub const MATERIAL_IS_COMPENSATED = 64;
 
     /// A texture of texels.
@@ -65,14 +62,14 @@ shared_constants! {
     pub const WRAP_MIRROR = 1;
     /// They see its edge.
     pub const WRAP_CLAMP = 2;
-    /// Flag on [`Texture::sampling`]: the nearest texel instead of bilinear interpolation.
+    /// Flag on [`Texture::sampling`](super::Texture::sampling): the nearest texel instead of bilinear interpolation.
     pub const FILTER_NEAREST_BIT = 0x10000;
     /// Cells of a rough plastic's table of transmittance.
     pub const PLASTIC_CELLS = 64;
-    /// Values of a row of a [`Compensation`]'s table.
+    /// Values of a row of a [`Compensation`](super::Compensation)'s table.
     pub const COMPENSATION_CELLS = 129;
 
-    /// Flag on [`LightNode::link`]: the node is one light.
+    /// Flag on [`LightNode::link`](super::LightNode::link): the node is one light.
     pub const LIGHT_LEAF_BIT = 0x8000_0000;
 
     /// All rays begin in one point.

@@ -1,6 +1,6 @@
 //! What a dispatch is given and what it leaves: push constants, the film, and the records of the kernels that tests run.
 
-use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
+use super::types::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
 #[allow(unused_imports)] // named by the documentation
 use super::{constants::*, scene_structs::*};
 

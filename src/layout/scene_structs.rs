@@ -2,7 +2,7 @@
 
 #[allow(unused_imports)] // named by the documentation
 use super::constants::*;
-use super::{Member, SharedStruct, float, uint, uvec2, uvec3, vec3, vec4};
+use super::types::{Member, SharedStruct, float, uint, uvec2, uvec3, vec3, vec4};
 
 shared_structs! {
     /// A triangle, or a sphere where `surface` has [`SPHERE_BIT`]: then `v0` is its centre and `v1[0]` its radius.

@@ -1,7 +1,7 @@
 //! What a rendering's kernels all read: the uniform buffer of a scene.
 
 use super::arrays::scene_arrays;
-use super::{Member, SharedStruct, float, uint, uvec2, vec2, vec3};
+use super::types::{Member, SharedStruct, float, uint, uvec2, vec2, vec3};
 #[allow(unused_imports)] // named by the documentation
 use super::{constants::*, scene_structs::*};
 

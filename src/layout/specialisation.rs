@@ -2,7 +2,8 @@
 //! place among all of them.
 
 use super::features::features;
-use super::{LIGHT_KINDS, LIGHTS, MATERIAL_KINDS, MATERIALS, float, uint};
+use super::types::{float, uint};
+use super::{LIGHT_KINDS, LIGHTS, MATERIAL_KINDS, MATERIALS};
 
 /// One specialisation constant: chosen when a pipeline is made, a compile-time constant to the driver.
 #[derive(Clone, Copy, Debug)]
