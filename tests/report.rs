@@ -460,7 +460,7 @@ fn the_page_is_well_formed_and_needs_nothing_else() {
         "no difference beyond noise in 9\u{202f}876 tests",
         "differs beyond noise in 2 places",
         "In 17 of them it lacks light",
-        "finds hidden <caustics> only by chance",
+        "finds hidden <caustics> only with rare, bright samples",
         "photon <3>, ",
         "(48, 32) of 16 × 4",
         "glints & <co>",

@@ -168,7 +168,10 @@ pub(super) fn told(step: &Step) -> Option<String> {
 /// What is known of a reference, on the terminal.
 fn print_certificate(certificate: &Certificate) {
     for pilot in &certificate.pilots {
-        let chance = pilot.by_chance.as_ref().map_or(String::new(), |what| format!(", finds {what} only by chance"));
+        let chance = pilot
+            .by_chance
+            .as_ref()
+            .map_or(String::new(), |what| format!(", finds {what} only with rare, bright samples"));
         let lacking = if pilot.lacking > 0.0 { format!(", lacks {:.1e}", pilot.lacking) } else { String::new() };
         print(&format!("tried      {}: relMSE x s {:.2e}{lacking}{chance}", pilot.technique, pilot.noise));
     }

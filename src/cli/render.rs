@@ -96,7 +96,7 @@ pub(super) struct RenderArgs {
           value_parser = clap::value_parser!(u32).range(0..=64))]
     lengths: Option<u32>,
 
-    /// Write what each strategy (s, t) of bidirectional path tracing brings, by itself and weighted, for paths of up to N segments (6 at
+    /// Write the contribution of each strategy (s, t) of bidirectional path tracing, unweighted and weighted, for paths of up to N segments (6 at
     /// most), which is where paths end then: EXR layers, and as PNG a pyramid of them
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "6", require_equals = true, conflicts_with = "lengths",
           value_parser = clap::value_parser!(u32).range(1..=i64::from(LONGEST)))]
@@ -195,7 +195,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
     if let (Some(light), Some(_), false) = (settings.technique.finds_by_chance(&scene), args.error, args.quiet) {
         eprintln!(
-            "warning: {} finds {light} only by chance: --error does not see what of it was not met yet",
+            "warning: {} finds {light} only with rare, bright samples: --error does not see those that have not come yet",
             settings.technique.row.name
         );
     }
@@ -328,7 +328,7 @@ fn settle(
     }
     if args.error.is_some() && technique.row.correlated {
         return Err(Error::Usage(format!(
-            "--error with {}: its samples hang together, so their variance does not tell the error; valid are -n and -t",
+            "--error with {}: its samples are correlated, so their variance does not tell the error; valid are -n and -t",
             technique.row.name
         )));
     }

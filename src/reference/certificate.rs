@@ -48,7 +48,7 @@ pub struct Pilot {
     pub noise: f64,
     /// relMSE of what more samples would not take away as quickly: blur, or light that it did not find and another one did.
     pub lacking: f64,
-    /// What the scene has that the technique finds only by chance, in words.
+    /// What the scene has that the technique finds only with rare, bright samples, in words.
     pub by_chance: Option<String>,
 }
 
@@ -63,7 +63,7 @@ pub struct Maker {
     pub seconds: f64,
     /// Its mean weight in the image.
     pub share: f64,
-    /// What the scene has that the technique finds only by chance, in words.
+    /// What the scene has that the technique finds only with rare, bright samples, in words.
     pub by_chance: Option<String>,
 }
 
@@ -91,9 +91,9 @@ pub struct Witness {
     pub spp: f64,
     /// Seconds of rendering.
     pub seconds: f64,
-    /// What it finds only by chance, in words: then it cannot confirm that this light is right.
+    /// What it finds only with rare, bright samples, in words: then it cannot confirm that this light is right.
     pub by_chance: Option<String>,
-    /// Tiles and channels in which it is darker beyond noise while it finds some of the light only by chance: there it confirms nothing, and
+    /// Tiles and channels in which it is darker beyond noise while it finds some of the light only with rare, bright samples: there it confirms nothing, and
     /// contradicts nothing.
     pub unseen: u64,
     /// Tests that were made: tiles of all sizes x channels.
@@ -134,7 +134,9 @@ impl Certificate {
         let name = &witness.technique;
         let Some(first) = witness.differences.first() else {
             if let (Some(light), places @ 1..) = (&witness.by_chance, witness.unseen) {
-                return Some(format!("{name} lacks light in {places} tiles, as it finds {light} only by chance"));
+                return Some(format!(
+                    "{name} lacks light in {places} tiles, as it finds {light} only with rare, bright samples"
+                ));
             }
             // One that aims at all light and agrees with the others is enough.
             let aimed = |found: &Witness| found.by_chance.is_none() && found.differences.is_empty();
@@ -186,9 +188,10 @@ impl Witness {
         match (self.differences.first(), self.unseen) {
             (Some(first), _) => Some(format!("{} differs, {}", self.technique, first.describe())),
             (None, 0) => None,
-            (None, places) => {
-                Some(format!("{} lacks light in {places} tiles that it finds only by chance", self.technique))
-            }
+            (None, places) => Some(format!(
+                "{} lacks light in {places} tiles that it finds only with rare, bright samples",
+                self.technique
+            )),
         }
     }
 }

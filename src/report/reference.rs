@@ -146,7 +146,7 @@ fn made(maker: &Maker, of: usize) -> String {
 }
 
 fn chance(what: Option<&str>) -> String {
-    what.map_or_else(String::new, |what| format!("; finds {} only by chance", escape(what)))
+    what.map_or_else(String::new, |what| format!("; finds {} only with rare, bright samples", escape(what)))
 }
 
 /// What an independent technique says, in a sentence or two.
@@ -160,10 +160,10 @@ fn witness(witness: &Witness) -> String {
     let unseen = match witness.unseen {
         0 => String::new(),
         1 => String::from(
-            " In one of them it lacks light that it finds only by chance, which says nothing against the reference.",
+            " In one of them it lacks light that it finds only with rare, bright samples, which says nothing against the reference.",
         ),
         count => format!(
-            " In {} of them it lacks light that it finds only by chance, which says nothing against the reference.",
+            " In {} of them it lacks light that it finds only with rare, bright samples, which says nothing against the reference.",
             number::whole(count)
         ),
     };
@@ -218,7 +218,7 @@ fn pilots(certificate: &Certificate) -> String {
             pilot.by_chance.as_deref().map_or_else(|| String::from("–"), escape),
         ]
     };
-    let heads = ["Technique", "Seconds", "Noise, relMSE × s", "Lacking, relMSE", "Finds only by chance"];
+    let heads = ["Technique", "Seconds", "Noise, relMSE × s", "Lacking, relMSE", "Finds only with rare samples"];
     format!(
         "<details>\n<summary>Techniques that were tried for it</summary>\n<p class=\"quiet\">Noise is what more samples take away: less \
          is better. Lacking is what they do not: blur, or light that the technique did not find and another one did.</p>\n{}</details>\n",

@@ -144,7 +144,7 @@ impl Report {
 /// Why an error is at least as large as it is estimated to be; nothing where the estimate is to be trusted.
 fn doubt(estimate: &ErrorEstimate, technique: &Technique, scene: &Scene) -> Option<String> {
     if let Some(light) = technique.finds_by_chance(scene) {
-        return Some(format!("{} finds {light} only by chance", technique.row.name));
+        return Some(format!("{} finds {light} only with rare, bright samples", technique.row.name));
     }
     let share = 100.0 * estimate.worst_share;
     estimate.is_at_least().then(|| format!("a thousandth of the pixels makes {share:.0} % of its square"))
