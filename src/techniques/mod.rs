@@ -2,7 +2,7 @@
 //! keeps on the device.
 //!
 //! A family has a folder: `row.rs` holds its rows, which `build.rs` reads as well, the other files its state. A state is put together from
-//! [`splat_planes`], [`light_paths`] and [`merging`], or brings its own.
+//! `splat_planes`, `light_paths` and `merging`, or is its own.
 
 mod bidirectional;
 mod light;
