@@ -9,7 +9,7 @@ use lumbre::layout::backend::Backend;
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings, Technique};
 use lumbre::scene::Scene;
-use lumbre::techniques::{Bias, Sampler, Solves, TECHNIQUES};
+use lumbre::techniques::{Bias, Correlated, Sampler, Solves, TECHNIQUES};
 
 const TILE: u32 = 16;
 
@@ -25,7 +25,7 @@ fn film(gpu: &Gpu, scene: &Scene, technique: &str, backend: Backend, seed: u32, 
     render(gpu, scene, &settings, spp)
 }
 
-/// Every unbiased technique that solves the same transport against a reference with a seed of its own: on the backends of `all_on` each, on
+/// Every unbiased technique of independent pixels that solves the same transport against a reference with a seed of its own: on the backends of `all_on` each, on
 /// others the reference alone, which shares with the rest what asks a ray.
 fn techniques_agree(name: &str, defines: &[(&str, &str)], spp: u32, all_on: fn(&Gpu) -> Vec<Backend>) {
     let scene = canon(name, defines);
@@ -36,7 +36,9 @@ fn techniques_agree(name: &str, defines: &[(&str, &str)], spp: u32, all_on: fn(&
             let truth = truth::truth(gpu, &format!("{}-{reference}", stem(name)), &scene, &truth, 16 * spp);
             let mut variants: Vec<String> = TECHNIQUES
                 .iter()
-                .filter(|row| row.solves == solves && row.bias == Bias::Unbiased)
+                .filter(|row| {
+                    row.solves == solves && row.bias == Bias::Unbiased && row.correlated == Correlated::Nothing
+                })
                 .map(|row| row.name.to_owned())
                 .filter(|name| Technique::parse(name).unwrap().misses(&scene).is_none())
                 .collect();

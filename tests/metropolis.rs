@@ -3,11 +3,8 @@
 //! What a chain brings from one sample to the next is not independent, so a film's own variance says nothing here: seeds are compared.
 
 use crate::common::room::{LAMP, room, scene};
-use crate::common::{
-    LargestZ, assert_same_mean, canon, film_of, films, has_time, largest_z, render, settings, tile_average, truth,
-    verify, with_gpu,
-};
-use lumbre::layout::backend::Backend;
+use crate::common::seeds::{agree, small, tiles, tiles_over};
+use crate::common::{LargestZ, assert_same_mean, canon, films, has_time, largest_z, render, verify, with_gpu};
 use lumbre::render::film::Film;
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
@@ -16,77 +13,12 @@ use lumbre::statistics::{Estimate, sidak, two_sided_p};
 /// With as few candidates as what is easy to find needs.
 const FORMS: [&str; 3] =
     ["mlt:form=primary:candidates=65536", "mlt:form=multiplexed:candidates=65536", "mlt:form=paths:candidates=65536"];
-const SIZE: u32 = 48;
-const TILE: u32 = 16;
 
 const MATTE: &str = "<bsdf type='diffuse'><rgb name='reflectance' value='0.3, 0.5, 0.7'/></bsdf>";
 
-fn small(scene: &Scene, technique: &str) -> Settings {
-    Settings { width: SIZE, height: SIZE, ..settings(scene, technique, Backend::Bvh) }
-}
-
-/// All forms against an independent technique, tile by tile. Tiles of one seed's image hang together, so the mean of each is taken
-/// first: `assert_same_mean` adds up variances of pixels.
+/// All forms against an independent technique, tile by tile. Seeds are compared, see `common::seeds`.
 fn agrees(what: &str, scene: &Scene, reference: &str, spp: u32, change: impl Fn(&mut Settings)) {
     agree(&FORMS, what, scene, reference, [40, spp], change);
-}
-
-fn agree(
-    forms: &[&str],
-    what: &str,
-    scene: &Scene,
-    reference: &str,
-    [seeds, spp]: [u32; 2],
-    change: impl Fn(&mut Settings),
-) {
-    with_gpu(|gpu| {
-        let mut truth = small(scene, reference);
-        truth.seed = 1000;
-        change(&mut truth);
-        // `bdpt` of a scene of the canon takes longer than all chains.
-        let truth = match what.strip_suffix(".xml").filter(|_| reference == "bdpt") {
-            Some(stem) => tiles(&truth::truth(gpu, &format!("{stem}-small-bdpt"), scene, &truth, seeds * spp)),
-            None => tiles(&render(gpu, scene, &truth, seeds * spp)),
-        };
-        for technique in forms {
-            let mut settings = small(scene, technique);
-            change(&mut settings);
-            assert_same_mean(
-                &format!("{what}: {technique}"),
-                &tiles_over(&films(gpu, scene, &settings, seeds, spp)),
-                &truth,
-                1,
-            );
-        }
-    });
-}
-
-/// The means of a film's tiles, with the variance that it states.
-fn means(film: &Film) -> (u32, u32, Vec<[Estimate; 3]>) {
-    let (across, down) = (film.width.div_ceil(TILE), film.height.div_ceil(TILE));
-    let tile = |index: u32| {
-        let (x, y) = (index % across * TILE, index / across * TILE);
-        tile_average(film, x..(x + TILE).min(film.width), y..(y + TILE).min(film.height))
-    };
-    (across, down, (0..across * down).map(tile).collect())
-}
-
-/// A film whose pixels are the means of another one's tiles, with the variance that this one states.
-fn tiles(film: &Film) -> Film {
-    let (across, down, means) = means(film);
-    film_of(across, down, &means)
-}
-
-/// A film whose pixels are the means of films' tiles, with the variance that the films differ by.
-fn tiles_over(films: &[Film]) -> Film {
-    let all: Vec<_> = films.iter().map(means).collect();
-    let over = |tile: usize| {
-        std::array::from_fn(|channel| {
-            Estimate::of(&all.iter().map(|(_, _, means)| means[tile][channel].mean).collect::<Vec<f64>>())
-        })
-    };
-    let (across, down, first) = &all[0];
-    film_of(*across, *down, &(0..first.len()).map(over).collect::<Vec<_>>())
 }
 
 #[test]

@@ -20,7 +20,7 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{LONGEST, Missing, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{Correlated, LONGEST, Missing, SAMPLERS, Sampler, Strategies};
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
@@ -326,7 +326,7 @@ fn settle(
     if let Some(q) = &args.rr_q {
         technique.set("q", q)?;
     }
-    if args.error.is_some() && technique.row.correlated {
+    if args.error.is_some() && technique.row.correlated == Correlated::Samples {
         return Err(Error::Usage(format!(
             "--error with {}: its samples are correlated, so their variance does not tell the error; valid are -n and -t",
             technique.row.name

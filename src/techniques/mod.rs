@@ -32,7 +32,9 @@ pub use state::{Context, FilmScale, FrameLimits, Job, NextState, StateBytes, Sta
 pub(crate) use state::{StateKind, nothing};
 pub use stream::StateStream;
 pub(crate) use table::stages;
-pub use table::{Bias, Chance, Kept, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find};
+pub use table::{
+    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find,
+};
 pub use technique::Technique;
 
 impl TechniqueRow {

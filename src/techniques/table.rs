@@ -109,6 +109,18 @@ impl Chance {
     }
 }
 
+/// What of a technique's samples is correlated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Correlated {
+    /// Nothing: all samples of all pixels are independent.
+    Nothing,
+    /// Pixels of the same sample, which share light subpaths: the variance of a pixel's samples tells the pixel's error, but a mean over
+    /// pixels is off by more than theirs say.
+    Pixels,
+    /// Samples of the same pixel as well: their variance does not tell the error.
+    Samples,
+}
+
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
@@ -200,8 +212,8 @@ pub struct TechniqueRow {
     pub rr_depth: u32,
     /// What it keeps on the device.
     pub kept: Kept,
-    /// Whether its samples are correlated, so that their variance does not tell the error.
-    pub correlated: bool,
+    /// What of its samples is correlated.
+    pub correlated: Correlated,
     /// Whether its film can tell strategies (s, t) apart.
     pub tells_strategies: bool,
     /// What it cannot find in scenes that have it.

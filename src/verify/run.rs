@@ -12,7 +12,7 @@ use crate::render::film::Film;
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
 use crate::statistics::{Estimate, sidak};
-use crate::techniques::{Bias, Kept, Solves, TECHNIQUES, TechniqueRow};
+use crate::techniques::{Bias, Correlated, Kept, Solves, TECHNIQUES, TechniqueRow};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +139,7 @@ impl<'a> Run<'a> {
         Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
     }
 
-    /// Unbiased techniques that this backend is to show. The furnace is every technique's; besides it, contributions of light subpaths
+    /// Unbiased techniques of independent pixels that this backend is to show. The furnace is every technique's; besides it, contributions of light subpaths
     /// need no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
     pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
@@ -147,7 +147,8 @@ impl<'a> Run<'a> {
         let camera = |row: &TechniqueRow| row.kept == Kept::Nothing;
         let full = |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
         let fits = |row: &&TechniqueRow| if self.is_short() { short(row) } else { full(row) };
-        TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased).filter(fits).collect()
+        let independent = |row: &&TechniqueRow| row.bias == Bias::Unbiased && row.correlated == Correlated::Nothing;
+        TECHNIQUES.iter().filter(independent).filter(fits).collect()
     }
 
     /// Of those, the ones that find all there is in a scene of which the camera sees a tiny part. Light tracing would, but next to

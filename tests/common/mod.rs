@@ -8,6 +8,7 @@ pub mod mutation;
 pub mod program;
 pub mod room;
 pub mod sampling;
+pub mod seeds;
 pub mod truth;
 
 use std::path::{Path, PathBuf};

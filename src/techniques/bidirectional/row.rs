@@ -1,7 +1,9 @@
 //! The rows of bidirectional path tracing and of vertex connection and merging.
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Chance, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass};
+use super::{
+    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass,
+};
 
 /// Traces light subpaths, splats their vertices and keeps them.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -27,7 +29,7 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::LightSubpaths,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: true,
     misses: &[Missing::HiddenDeltaCaustics],
     by_chance: &[Chance::HiddenCaustics],
@@ -55,7 +57,7 @@ pub const VCM: TechniqueRow = TechniqueRow {
     bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
     kept: Kept::MergedSubpaths,
-    correlated: false,
+    correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
     by_chance: &[],

@@ -1,6 +1,6 @@
 //! The row of light tracing.
 
-use super::{Bias, Chance, Kept, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
+use super::{Bias, Chance, Correlated, Kept, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
 
 /// Traces light paths and splats their vertices.
 pub const PATHS: Pass = pass("paths", Over::Pixels);
@@ -15,7 +15,7 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::Splats,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::Unshowable],
     by_chance: &[Chance::Reflections],

@@ -1,6 +1,8 @@
 //! The row of Metropolis light transport.
 
-use super::{Bias, Chance, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with};
+use super::{
+    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with,
+};
 
 /// Mutates the random numbers of `path`.
 pub const PRIMARY: Pass = pass_with("primary", Over::Pixels, "form", "primary");
@@ -19,7 +21,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
     bias: Bias::Consistent("the mean that all visits of its chains are scaled by is estimated from the same paths"),
     rr_depth: 5,
     kept: Kept::Chains,
-    correlated: true,
+    correlated: Correlated::Samples,
     tells_strategies: false,
     misses: &[],
     by_chance: &[Chance::HiddenCaustics],

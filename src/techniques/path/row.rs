@@ -1,6 +1,6 @@
 //! The rows of the path tracers: all paths begin at the camera, and nothing is kept from one sample to the next.
 
-use super::{Bias, Chance, Kept, Missing, PIXELS, Parameter, Solves, TechniqueRow, Values};
+use super::{Bias, Chance, Correlated, Kept, Missing, PIXELS, Parameter, Solves, TechniqueRow, Values};
 
 /// Direct lighting.
 pub const DIRECT: TechniqueRow = TechniqueRow {
@@ -12,7 +12,7 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::Nothing,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
     by_chance: &[],
@@ -45,7 +45,7 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::Nothing,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
     by_chance: &[],
@@ -95,7 +95,7 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 1,
     kept: Kept::Nothing,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaLights],
     by_chance: &[Chance::Caustics],
@@ -138,7 +138,7 @@ pub const PATH: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::Nothing,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
     by_chance: &[Chance::Caustics],
@@ -166,7 +166,7 @@ pub const PATH_RECURSIVE: TechniqueRow = TechniqueRow {
     bias: Bias::Unbiased,
     rr_depth: 5,
     kept: Kept::Nothing,
-    correlated: false,
+    correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
     by_chance: &[Chance::Caustics],

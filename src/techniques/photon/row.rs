@@ -1,7 +1,7 @@
 //! The row of progressive photon mapping.
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Chance, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
+use super::{Bias, Chance, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
 
 /// Traces light paths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -18,7 +18,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
     kept: Kept::Photons,
-    correlated: false,
+    correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
     by_chance: &[Chance::GlossyCaustics],

@@ -1,6 +1,6 @@
 //! The row of radiosity.
 
-use super::{Bias, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
+use super::{Bias, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
 
 /// Measures the albedo of patches.
 pub const ALBEDO: Pass = pass("albedo", Over::Jobs);
@@ -27,7 +27,7 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
     ),
     rr_depth: 5,
     kept: Kept::Patches,
-    correlated: false,
+    correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
     by_chance: &[],
