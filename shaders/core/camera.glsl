@@ -78,7 +78,7 @@ float camera_importance(vec3 direction) {
 
 bool in_image(vec2 position) {
     float reach = filter_radius();
-    return all(greaterThan(position, vec2(-reach))) && all(lessThan(position, vec2(frame.width, frame.height) + reach));
+    return all(greaterThan(position, vec2(-reach))) && all(lessThan(position, vec2(scene.width, scene.height) + reach));
 }
 
 // Where the image shows what lies in the direction w of a point of the lens, which is `shift` off its centre; false where it does not.

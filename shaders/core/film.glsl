@@ -39,13 +39,13 @@ struct Pixel {
 
 // Slots run through the image in tiles of 8 x 8, row by row of tiles, so that a workgroup's rays stay together.
 Pixel pixel_open(uint slot) {
-    uint tiles_across = (frame.width + 7u) / 8u;
+    uint tiles_across = (scene.width + 7u) / 8u;
     uint tile = slot / 64u;
     uint within = slot % 64u;
     Pixel pixel;
     pixel.xy = uvec2(tile % tiles_across * 8u + within % 8u, tile / tiles_across * 8u + within / 8u);
-    pixel.inside = pixel.xy.x < frame.width && pixel.xy.y < frame.height;
-    pixel.index = pixel.xy.y * frame.width + pixel.xy.x;
+    pixel.inside = pixel.xy.x < scene.width && pixel.xy.y < scene.height;
+    pixel.index = pixel.xy.y * scene.width + pixel.xy.x;
     pixel.sample_index = frame.first_sample;
     pixel.filter_weight = 1.0;
     if (pixel.inside) pixel.sums = FilmPixels(frame.film).at[pixel.index];
@@ -98,7 +98,7 @@ void sample_close(inout Pixel pixel, Estimate e) {
         add_compensated(pixel.sums.squares, pixel.sums.squares_low, square);
         pixel.sums.squares_low += square_lost;
         if (LENGTH_LAYERS > 0u) {
-            Layers layers = Layers(frame.lengths);
+            Layers layers = Layers(frame.layers);
             for (uint i = 0u; i < LENGTH_LAYERS; i++) {
                 uint at = 2u * (pixel.index * LENGTH_LAYERS + i);
                 vec3 sum = layers.at[at], low = layers.at[at + 1u];

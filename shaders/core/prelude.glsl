@@ -83,6 +83,6 @@ bool is_sphere(Primitive primitive) { return HAS_SPHERES && (primitive.surface &
 
 // So many turns of a loop whose body is to stand in the kernel once: a number that the compiler of a CPU device cannot see, so that it does
 // not write the body down as often.
-uint turns(uint count) { return UNROLL ? count : count + (frame.width == 0u ? 1u : 0u); }
+uint turns(uint count) { return UNROLL ? count : count + (scene.width == 0u ? 1u : 0u); }
 
 #include "trace/instance.glsl"

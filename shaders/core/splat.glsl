@@ -1,6 +1,7 @@
 // Contributions to any pixel from anywhere: 64-bit fixed-point sums, whose value does not depend on their order. One plane for each
 // sample of a dispatch; the pass `resolve` adds the planes to the film.
 #extension GL_EXT_shader_atomic_int64 : require
+#include "core/light_table.glsl"
 #include "core/film.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
@@ -12,8 +13,8 @@ uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
 
 Splat splat_of(uint pixel, uint sample_index, uint layer) {
     uint64_t plane = uint64_t(sample_index - frame.first_sample);
-    uint64_t index = (plane * uint64_t(frame.width * frame.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
-    return Splat(unpack32(pack64(frame.splats) + uint64_t(FIXED_RGB_BYTES) * index));
+    uint64_t index = (plane * uint64_t(scene.width * scene.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
+    return Splat(unpack32(pack64(light_table.splats) + uint64_t(FIXED_RGB_BYTES) * index));
 }
 
 // Adds the contribution of a path of `length` segments to a pixel in this sample.
@@ -51,7 +52,7 @@ void splat_sample(Pixel pixel, Estimate e) {
 uint splat_pixel(vec2 position, vec2 u, inout vec3 value) {
     float weight = 1.0;
     int x = filter_pixel(position.x, u.x, weight), y = filter_pixel(position.y, u.y, weight);
-    if (x < 0 || y < 0 || x >= int(frame.width) || y >= int(frame.height)) return NONE;
+    if (x < 0 || y < 0 || x >= int(scene.width) || y >= int(scene.height)) return NONE;
     value *= weight;
-    return uint(y) * frame.width + uint(x);
+    return uint(y) * scene.width + uint(x);
 }

@@ -5,34 +5,17 @@ use super::types::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, 
 use super::{constants::*, scene_structs::*};
 
 shared_structs! {
-    /// What changes from one dispatch to the next: the push constants.
+    /// What changes from one dispatch to the next: the push constants. What belongs to one technique lies in its table.
     pub struct FrameConstants {
-        /// Device address of the [`FilmPixel`]s.
+        /// Device address of the [`FilmPixel`]s; for kernels over arrays, of what they write.
         film: uvec2,
-        /// Device address of the per-length layers: for each pixel, `LENGTH_LAYERS` times six floats (sum, its low part).
-        lengths: uvec2,
+        /// Device address of the film's layers: for each pixel, `LENGTH_LAYERS` times six floats (sum, its low part); for kernels over
+        /// arrays, of what they read.
+        layers: uvec2,
         /// Device address of the one [`Tally`].
         tally: uvec2,
-        /// Device address of the splats: for each sample of this dispatch, pixel and layer three 64-bit integers in units of
-        /// [`SceneUniforms::splat_unit`](super::SceneUniforms::splat_unit); layers are those by path length, or the one that is the image.
-        splats: uvec2,
-        /// Device address of the light paths: for each slot and sample of this dispatch the number of its vertices, then for each
-        /// of them room for as many [`LightVertex`] as `light_vertices` says.
-        light_paths: uvec2,
-        /// Vertices that a light path has room for.
-        light_vertices: uint,
-        /// Paths from the lights in each sample of the image.
-        light_path_count: uint,
-        /// Device address of the grid that holds the vertices of light paths: the number of places taken, then [`GridCell`]s.
-        grid_cells: uvec2,
-        /// Device address of those places: indices of vertices, path by path, `light_vertices` for each.
-        grid_places: uvec2,
-        /// Cells of the grid, a power of two.
-        grid_cell_count: uint,
-        /// Within which this sample looks for vertices of light paths.
-        merge_radius: float,
-        /// Device address of the [`ChainTable`].
-        chains: uvec2,
+        /// Device address of the technique's table: [`LightTable`], [`ChainTable`] or [`PatchTable`]; 0 where it has none.
+        technique: uvec2,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
         /// Slots of this dispatch.
@@ -41,17 +24,31 @@ shared_structs! {
         first_sample: uint,
         /// Samples of each pixel in this dispatch.
         sample_count: uint,
-        /// Width of the image in pixels.
-        width: uint,
-        /// Height of the image in pixels.
-        height: uint,
         /// Seed of the random numbers.
         seed: uint,
-        /// Device address of the one [`PatchTable`].
-        patches: uvec2,
-        /// Rounds in which patches have passed light on before this one; with [`PREPARING_BIT`] while each adds light of one more
-        /// segment.
-        round: uint,
+        /// The technique's own: the bits of the merge radius, or the rounds in which patches have passed light on before this one, with
+        /// [`PREPARING_BIT`] while each adds light of one more segment.
+        word: uint,
+    }
+
+    /// What techniques with light subpaths or splats keep. Their tables begin with it.
+    pub struct LightTable {
+        /// Device address of the splats: for each sample of a dispatch, pixel and layer three 64-bit integers in units of
+        /// [`SceneUniforms::splat_unit`](super::SceneUniforms::splat_unit); layers are those by path length, or the one that is the image.
+        splats: uvec2,
+        /// Device address of the light subpaths: for each slot and sample of a dispatch, or for each of a sample, the number of its
+        /// vertices, then room for `light_vertices` of them.
+        light_paths: uvec2,
+        /// Vertices that a light subpath has room for.
+        light_vertices: uint,
+        /// Light subpaths in each sample of the image.
+        light_path_count: uint,
+        /// Device address of the grid that holds the vertices of light subpaths: the number of places taken, then [`GridCell`]s.
+        grid_cells: uvec2,
+        /// Device address of those places: indices of vertices, subpath by subpath, `light_vertices` for each.
+        grid_places: uvec2,
+        /// Cells of the grid, a power of two; 0 where there is none.
+        grid_cell_count: uint,
     }
 
     /// Sums over the samples of one pixel: a value is the sum of a float and its low part (Knuth's two-sum).
@@ -199,6 +196,8 @@ shared_structs! {
 
     /// The Markov chains of a rendering: how many there are, and where they lie.
     pub struct ChainTable {
+        /// Where chains splat, and the number of pixels, those of the border included, that their positions are uniform over.
+        light: LightTable,
         /// Device address of the [`Candidate`]s.
         candidates: uvec2,
         /// Device address of the [`Chain`]s.
@@ -413,3 +412,6 @@ shared_structs! {
         seed: uint,
     }
 }
+
+// Every device has 128 bytes of push constants; half of them is enough.
+const _: () = assert!(size_of::<FrameConstants>() < 64);

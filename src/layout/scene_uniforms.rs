@@ -14,6 +14,10 @@ macro_rules! scene_uniforms {
             /// [`UNIFORM_SURFACES`] surfaces, [`UNIFORM_MATERIALS`] materials and [`UNIFORM_LIGHTS`] lights, for scenes that have
             /// no more than that of a kind.
             pub struct SceneUniforms {
+                /// Width of the image in pixels.
+                width: uint,
+                /// Height of the image in pixels.
+                height: uint,
                 /// Camera position.
                 camera_origin: vec3,
                 /// Direction through the corner (0, 0) of the image; not of unit length.

@@ -315,21 +315,18 @@ impl Renderer {
 
     /// What all passes of a frame are given.
     fn constants(&self, frame: Frame) -> FrameConstants {
-        let mut constants = FrameConstants {
+        FrameConstants {
             film: address(self.film.address()),
-            lengths: address(self.layers.address()),
+            layers: address(self.layers.address()),
             tally: address(self.tally.address()),
+            technique: address(self.state.table()),
             first_slot: frame.first_slot,
             slot_count: frame.slots,
             first_sample: frame.first_sample,
             sample_count: frame.samples,
-            width: self.settings.width,
-            height: self.settings.height,
             seed: self.settings.seed,
-            ..FrameConstants::default()
-        };
-        self.state.describe(frame.first_sample, &mut constants);
-        constants
+            word: self.state.word(frame.first_sample),
+        }
     }
 
     /// Runs stages for a part of the image, and where that ends them what runs over all there is; takes in what was counted. The
@@ -363,7 +360,7 @@ impl Renderer {
         let Some(job) = self.state.next_job(sample, self.plan.bound_of_frames()) else { return Ok(false) };
         let Some(pass) = self.passes.iter().position(|(pass, _)| *pass == job.pass) else { return Ok(false) };
         let started = Instant::now();
-        let constants = FrameConstants { sample_count: job.samples, round: job.word, ..self.constants(Frame::NOTHING) };
+        let constants = FrameConstants { sample_count: job.samples, word: job.word, ..self.constants(Frame::NOTHING) };
         let device = self.submit(&job.about, constants, &[Run { pass, first: job.first, count: job.count }])?;
         let wall = started.elapsed();
         self.state.job_done(&job, wall)?;

@@ -14,7 +14,7 @@ use super::upload::{Uploaded, sphere_radius};
 use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
-use crate::layout::{FrameConstants, WORKGROUP, address};
+use crate::layout::{FrameConstants, LightTable, WORKGROUP, address};
 use crate::scene::Scene;
 
 /// A kernel of `shaders/kernels/test` or `shaders/kernels/rays` with the scene that it runs on.
@@ -22,7 +22,6 @@ pub struct Probe {
     gpu: Gpu,
     kernel: Kernel,
     name: String,
-    size: (u32, u32),
     seed: u32,
     scene_radius: f32,
     /// Whether it has run: CPU devices compile when it does so first.
@@ -59,7 +58,6 @@ impl Probe {
             gpu: gpu.clone(),
             kernel,
             name: name.to_owned(),
-            size: (settings.width, settings.height),
             seed: settings.seed,
             scene_radius: sphere_radius(scene),
             has_run: AtomicBool::new(false),
@@ -68,7 +66,10 @@ impl Probe {
 
     /// Runs one thread per element of `input`, each of which writes one element of the result.
     pub fn run<I: Pod, O: Pod>(&self, input: &[I]) -> Result<Vec<O>> {
-        self.run_with(input, |constants| constants)
+        // One light subpath.
+        let table = LightTable { light_path_count: 1, ..LightTable::default() };
+        let table = Buffer::with_data(&self.gpu, "probe table", &[table])?;
+        self.run_with(input, address(table.address()))
     }
 
     /// The same on buffers that are already there.
@@ -78,34 +79,26 @@ impl Probe {
 
     /// Runs one thread per element of `input`, on the technique's state of a rendering under way with the same scene and settings.
     pub fn run_on_state<I: Pod, O: Pod>(&self, renderer: &Renderer, input: &[I]) -> Result<Vec<O>> {
-        let FrameConstants { chains, light_path_count, .. } = renderer.constants(Frame::NOTHING);
-        self.run_with(input, |constants| FrameConstants { chains, light_path_count, ..constants })
+        self.run_with(input, renderer.constants(Frame::NOTHING).technique)
     }
 
-    fn run_with<I: Pod, O: Pod>(
-        &self,
-        input: &[I],
-        change: impl FnOnce(FrameConstants) -> FrameConstants,
-    ) -> Result<Vec<O>> {
+    fn run_with<I: Pod, O: Pod>(&self, input: &[I], technique: [u32; 2]) -> Result<Vec<O>> {
         let count = input.len() as u32;
         let from = Buffer::with_data(&self.gpu, "probe input", input)?;
         let to = Buffer::zeroed(&self.gpu, "probe output", size_of::<O>() as u64 * input.len() as u64)?;
-        self.dispatch(change(self.constants(&from, &to, count)), count)?;
+        self.dispatch(FrameConstants { technique, ..self.constants(&from, &to, count) }, count)?;
         to.read(input.len())
     }
 
     fn constants(&self, from: &Buffer, to: &Buffer, count: u32) -> FrameConstants {
         FrameConstants {
             film: address(to.address()),
-            lengths: address(from.address()),
+            layers: address(from.address()),
             slot_count: count,
             sample_count: 1,
-            // One light path, to be met within the square of the scene's radius.
-            light_path_count: 1,
-            merge_radius: self.scene_radius / std::f32::consts::PI.sqrt(),
-            width: self.size.0,
-            height: self.size.1,
             seed: self.seed,
+            // Merges are within the square of the scene's radius.
+            word: (self.scene_radius / std::f32::consts::PI.sqrt()).to_bits(),
             ..FrameConstants::default()
         }
     }

@@ -104,6 +104,8 @@ impl Uploaded {
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let (core_centre, core_radius) = scene.core();
         let mut uniforms = SceneUniforms {
+            width: settings.width,
+            height: settings.height,
             camera_origin: vector(plane.origin),
             camera_corner: vector(plane.corner),
             camera_dx: vector(plane.dx),

@@ -5,7 +5,7 @@ use super::state::{FrameLimits, StateBytes};
 use super::stream::StateStream;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{FrameConstants, WORKGROUP, address};
+use crate::layout::{LightTable, WORKGROUP, address};
 
 const NAME: &str = "light paths";
 /// Bytes of light subpaths that more than the least frame may take.
@@ -69,10 +69,10 @@ impl LightPathStore {
         Ok(Self { size, buffer: Buffer::new(gpu, NAME, size.paths * size.path_bytes)? })
     }
 
-    /// Tells shaders where they are.
-    pub fn describe(&self, constants: &mut FrameConstants) {
-        constants.light_paths = address(self.buffer.address());
-        constants.light_vertices = self.size.vertices;
+    /// Writes where they are.
+    pub fn describe(&self, table: &mut LightTable) {
+        table.light_paths = address(self.buffer.address());
+        table.light_vertices = self.size.vertices;
     }
 
     /// Between passes they are of no further use.

@@ -7,6 +7,7 @@
 mod bidirectional;
 mod light;
 mod light_paths;
+mod light_table;
 mod merging;
 mod metropolis;
 mod pace;

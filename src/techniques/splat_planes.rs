@@ -5,7 +5,7 @@ use super::state::{FrameLimits, StateBytes};
 use super::stream::StateStream;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{FIXED_RGB_BYTES, FrameConstants, address};
+use crate::layout::{FIXED_RGB_BYTES, LightTable, address};
 
 const NAME: &str = "splats";
 /// Bytes of splats that more than one sample per frame may take.
@@ -46,9 +46,9 @@ impl SplatPlanes {
         FrameLimits { samples: self.planes as u32, whole_passes: true, ..FrameLimits::NONE }
     }
 
-    /// Tells shaders where they are.
-    pub fn describe(&self, constants: &mut FrameConstants) {
-        constants.splats = address(self.buffer.address());
+    /// Writes where they are.
+    pub fn describe(&self, table: &mut LightTable) {
+        table.splats = address(self.buffer.address());
     }
 
     /// Empties them.

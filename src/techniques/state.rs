@@ -9,7 +9,6 @@ use super::stream::StateStream;
 use super::table::Pass;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::layout::FrameConstants;
 use crate::scene::Scene;
 use crate::statistics::Estimate;
 
@@ -129,11 +128,18 @@ pub type NextState = Box<dyn FnOnce(&Context) -> Result<Box<dyn TechniqueState>>
 
 /// What a technique keeps on the device, and what of its procedure the host decides. A technique that keeps nothing implements nothing.
 ///
-/// [`crate::render::Renderer`] asks for jobs before each sample, dispatches the passes of the table over what [`Self::elements`] says, and
-/// hands every shader what [`Self::describe`] writes.
+/// [`crate::render::Renderer`] asks for jobs before each sample, dispatches the passes of the row over what [`Self::elements`] says, and
+/// hands every shader the address of [`Self::table`].
 pub trait TechniqueState: Any + Send {
-    /// Writes what the shaders are given besides the frame itself. `sample` is the first one of the frame.
-    fn describe(&self, _sample: u32, _constants: &mut FrameConstants) {}
+    /// Device address of its table, by which shaders find what it keeps.
+    fn table(&self) -> u64 {
+        0
+    }
+
+    /// The technique's own word among the push constants, for a frame that begins with this sample.
+    fn word(&self, _sample: u32) -> u32 {
+        0
+    }
 
     /// What bounds the frames of the image.
     fn limits(&self) -> FrameLimits {

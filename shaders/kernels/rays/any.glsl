@@ -1,6 +1,7 @@
 // Traces rays from memory and nothing else: whether anything is hit.
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -11,7 +12,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Di
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    RayRecord record = RayRecords(frame.lengths).at[index];
+    RayRecord record = RayRecords(PROBE_INPUT).at[index];
     Ray ray = Ray(record.origin, record.direction, record.t_max);
-    Distances(frame.film).at[index] = trace_any(ray) ? 1.0 : 0.0;
+    Distances(PROBE_OUTPUT).at[index] = trace_any(ray) ? 1.0 : 0.0;
 }

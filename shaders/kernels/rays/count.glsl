@@ -3,6 +3,7 @@
 #version 460
 #define COUNT_TRAVERSAL
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -13,7 +14,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Co
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    RayRecord record = RayRecords(frame.lengths).at[index];
+    RayRecord record = RayRecords(PROBE_INPUT).at[index];
     Ray ray = Ray(record.origin, record.direction, record.t_max);
     tested_nodes = tested_primitives = 0u;
     Hit hit;
@@ -25,5 +26,5 @@ void main() {
     trace_any(ray);
     count.any_nodes = tested_nodes;
     count.any_primitives = tested_primitives;
-    Counts(frame.film).at[index] = count;
+    Counts(PROBE_OUTPUT).at[index] = count;
 }

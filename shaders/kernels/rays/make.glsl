@@ -3,6 +3,7 @@
 // has left the scene) have a negative length.
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 #include "transport/nee.glsl"
 
@@ -21,7 +22,7 @@ void main() {
     Sampler random = Sampler(slot, 0u, 0u, frame.seed);
     vec4 camera_u = next4(random);
     Ray ray = pixel.inside ? camera_ray(vec2(pixel.xy) + camera_u.xy, camera_u.zw) : NO_RAY;
-    RayRecords records = RayRecords(frame.lengths);
+    RayRecords records = RayRecords(PROBE_INPUT);
     records.at[slot] = record(ray);
     for (uint bounce = 0u; bounce < RAY_BOUNCES; bounce++) {
         Ray shadow = NO_RAY;

@@ -4,6 +4,7 @@
 // Parameters of technique: bdpt
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 
 #define STRATEGIES_OF_BDPT
 
@@ -24,10 +25,10 @@ const uint ANSWER = HEAD + (FROM_LIGHT + FROM_CAMERA) * MOST;
 uint answer;
 
 void put(uint place, vec3 v) {
-    for (uint axis = 0u; axis < 3u; axis++) Answers(frame.film).at[answer + place + axis] = v[axis];
+    for (uint axis = 0u; axis < 3u; axis++) Answers(PROBE_OUTPUT).at[answer + place + axis] = v[axis];
 }
 
-void put(uint place, float x) { Answers(frame.film).at[answer + place] = x; }
+void put(uint place, float x) { Answers(PROBE_OUTPUT).at[answer + place] = x; }
 
 uint light_place(uint vertex) { return HEAD + FROM_LIGHT * vertex; }
 uint camera_place(uint vertex) { return HEAD + FROM_LIGHT * MOST + FROM_CAMERA * vertex; }

@@ -2,6 +2,7 @@
 // answers is src/verify/leaving.rs's.
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 #include "trace/interaction.glsl"
 
@@ -15,11 +16,11 @@ const uint ANSWER = 12u; // words, those of floats by their bits
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    Floats query = Floats(frame.lengths);
+    Floats query = Floats(PROBE_INPUT);
     uint q = QUERY * index, a = ANSWER * index;
     Ray ray = Ray(vec3(query.at[q], query.at[q + 1u], query.at[q + 2u]), vec3(query.at[q + 3u], query.at[q + 4u], query.at[q + 5u]), query.at[q + 6u]);
     vec3 w = vec3(query.at[q + 7u], query.at[q + 8u], query.at[q + 9u]);
-    Answers answers = Answers(frame.film);
+    Answers answers = Answers(PROBE_OUTPUT);
     Hit hit;
     if (!trace_closest(ray, hit)) {
         for (uint i = 0u; i < ANSWER; i++) answers.at[a + i] = floatBitsToUint(-1.0);

@@ -2,6 +2,7 @@
 // sampling chooses what lies in a direction.
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 #include "transport/emission.glsl"
 
@@ -23,7 +24,7 @@ vec4 emission_and_density(ReferencePoint r, vec3 direction) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    LightQuery q = LightQueries(frame.lengths).at[index];
+    LightQuery q = LightQueries(PROBE_INPUT).at[index];
     ReferencePoint r = ReferencePoint(q.point, q.normal, false);
     LightSample s = light_sample(r, q.u);
     Ray shadow = Ray(q.point, s.wi, INFINITY);
@@ -31,6 +32,6 @@ void main() {
     bool visible = s.pdf_w > 0.0 && !trace_any(shadow);
     vec4 found = emission_and_density(r, s.wi);
     vec4 asked = emission_and_density(r, q.direction);
-    LightAnswers(frame.film).at[index] =
+    LightAnswers(PROBE_OUTPUT).at[index] =
         LightAnswer(s.wi, s.weight, s.pdf_w, s.delta ? 1u : 0u, visible ? 1u : 0u, found.xyz, found.w, asked.xyz, asked.w);
 }

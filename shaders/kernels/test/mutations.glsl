@@ -4,6 +4,7 @@
 #version 460
 #define SAMPLER_OF_CHAINS
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "techniques/metropolis/chains.glsl"
 #include "trace/trace.glsl"
 #include "generated/parameters.glsl"
@@ -21,8 +22,8 @@ const uint HEAD = 8u;     // of these, before the vertices
 void put_path(uint place, Route r) {
     for (uint i = 0u; i <= min(r.segments, MOST - 1u); i++) {
         PathVertex x = route_vertex(r, i);
-        for (uint axis = 0u; axis < 3u; axis++) Answers(frame.film).at[place + 4u * i + axis] = x.position[axis];
-        Answers(frame.film).at[place + 4u * i + 3u] = scatters_by_delta(x) ? 1.0 : 0.0;
+        for (uint axis = 0u; axis < 3u; axis++) Answers(PROBE_OUTPUT).at[place + 4u * i + axis] = x.position[axis];
+        Answers(PROBE_OUTPUT).at[place + 4u * i + 3u] = scatters_by_delta(x) ? 1.0 : 0.0;
     }
 }
 
@@ -30,7 +31,7 @@ void main() {
     uint chain = gl_GlobalInvocationID.x;
     if (chain >= frame.slot_count) return;
     uint answer = ANSWER * chain;
-    Proposal p = chain_propose(chain, MutationNumbers(frame.lengths).at[chain], LARGE_STEP);
+    Proposal p = chain_propose(chain, MutationNumbers(PROBE_INPUT).at[chain], LARGE_STEP);
     Estimate e;
     estimate_clear(e);
     e.rays = 0u;
@@ -38,12 +39,12 @@ void main() {
     mutation_open(p, chain, m);
     Weighed w;
     while (mutation_follow(m, p, e, w)) {}
-    Answers(frame.film).at[answer] = w.ratio;
-    Answers(frame.film).at[answer + 1u] = float(m.kind);
-    Answers(frame.film).at[answer + 2u] = float(m.from_segments);
-    Answers(frame.film).at[answer + 3u] = float(m.route.segments);
-    Answers(frame.film).at[answer + 4u] = float(m.first);
-    Answers(frame.film).at[answer + 5u] = float(m.last);
+    Answers(PROBE_OUTPUT).at[answer] = w.ratio;
+    Answers(PROBE_OUTPUT).at[answer + 1u] = float(m.kind);
+    Answers(PROBE_OUTPUT).at[answer + 2u] = float(m.from_segments);
+    Answers(PROBE_OUTPUT).at[answer + 3u] = float(m.route.segments);
+    Answers(PROBE_OUTPUT).at[answer + 4u] = float(m.first);
+    Answers(PROBE_OUTPUT).at[answer + 5u] = float(m.last);
     Route current = m.route;
     current.slot = m.current;
     current.segments = m.from_segments;

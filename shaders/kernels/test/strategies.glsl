@@ -3,6 +3,7 @@
 // Parameters of technique: vcm
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 #define STRATEGIES_OF_VCM
 #include "techniques/bidirectional/mis.glsl"
@@ -15,7 +16,7 @@ const uint QUERY = 64u; // floats of a query
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Weights { float at[]; };
 
 uint query;
-float value(uint index) { return Floats(frame.lengths).at[query * QUERY + index]; }
+float value(uint index) { return Floats(PROBE_INPUT).at[query * QUERY + index]; }
 float camera_density() { return value(1u); }
 float emission_a() { return value(2u); }
 float emission_w() { return value(3u); }
@@ -99,8 +100,8 @@ void main() {
     if (query >= frame.slot_count) return;
     uint n = uint(value(0u));
     for (uint i = 0u; i < MOST; i++) {
-        Weights(frame.film).at[query * 2u * MOST + i] = i < n ? weight(n, i) : 0.0;
-        Weights(frame.film).at[query * 2u * MOST + MOST + i] = i > 0u && i < n - 1u ? merge_weight(n, i) : 0.0;
+        Weights(PROBE_OUTPUT).at[query * 2u * MOST + i] = i < n ? weight(n, i) : 0.0;
+        Weights(PROBE_OUTPUT).at[query * 2u * MOST + MOST + i] = i > 0u && i < n - 1u ? merge_weight(n, i) : 0.0;
     }
-    Weights(frame.film).at[query * 2u * MOST + n] = whole_weight(n); // merges begin at vertex 1: even the longest path leaves room
+    Weights(PROBE_OUTPUT).at[query * 2u * MOST + n] = whole_weight(n); // merges begin at vertex 1: even the longest path leaves room
 }

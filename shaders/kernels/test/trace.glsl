@@ -1,6 +1,7 @@
 // Traces the rays that the host gives, both ways.
 #version 460
 #include "core/prelude.glsl"
+#include "kernels/probe.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
@@ -11,10 +12,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Hi
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    RayRecord record = RayRecords(frame.lengths).at[index];
+    RayRecord record = RayRecords(PROBE_INPUT).at[index];
     Ray ray = Ray(record.origin, record.direction, record.t_max);
     Hit hit;
     bool found = trace_closest(ray, hit);
     uint blocked = trace_any(ray) ? 1u : 0u;
-    HitRecords(frame.film).at[index] = HitRecord(found ? hit.t : -1.0, hit.primitive, hit.instance, hit.uv.x, hit.uv.y, blocked);
+    HitRecords(PROBE_OUTPUT).at[index] = HitRecord(found ? hit.t : -1.0, hit.primitive, hit.instance, hit.uv.x, hit.uv.y, blocked);
 }

@@ -9,7 +9,7 @@
 // That of subpath `index` of a sample. For a grid all subpaths of a sample lie there; else those of the frame, whose pixels are numbered
 // like their subpaths.
 LightPath light_path_of(uint index, uint sample_index) {
-    if (frame.grid_cell_count > 0u) return light_path_at(uint64_t(index));
+    if (light_table.grid_cell_count > 0u) return light_path_at(uint64_t(index));
     return light_path_at(uint64_t(gl_GlobalInvocationID.x) * uint64_t(frame.sample_count) + uint64_t(sample_index - frame.first_sample));
 }
 

@@ -57,7 +57,7 @@ float scaled_area(float area) { return area / (scene.radius * scene.radius); }
 // takes it. A mask lets both subpaths pass by chance, so that they meet there less often than they come: times its opacity.
 float eta_vcm(float opacity) {
     if (!MERGES) return 0.0;
-    return heuristic(PI * scaled_area(frame.merge_radius * frame.merge_radius) * float(frame.light_path_count) * opacity);
+    return heuristic(PI * scaled_area(merge_radius() * merge_radius()) * float(light_table.light_path_count) * opacity);
 }
 
 // A term that stands for a connection.
@@ -66,13 +66,13 @@ float if_connected(float term) { return CONNECTS ? term : 0.0; }
 // The beginning of a camera subpath (eqs. 31 and 32, with solid angle not turned to area yet), per scaled area of the lens: `importance` is
 // pixels per solid angle, `cosine` is to the camera's axis. A pinhole has no area (lens_a = 0), and t = 0 does not take part.
 SubpathMis mis_begin_camera(float importance, float lens_a, float cosine) {
-    float pdf_w = importance / float(frame.light_path_count); // over those of light subpaths
+    float pdf_w = importance / float(light_table.light_path_count); // over those of light subpaths
     return SubpathMis(heuristic(1.0 / pdf_w), lens_a > 0.0 ? if_connected(heuristic(cosine / (lens_a * pdf_w))) : 0.0);
 }
 
 // Weight of t = 0: the light subpath has run into the lens (eqs. 37 and 43 from the other end).
 float mis_lens_weight(SubpathMis m, float importance, float lens_a) {
-    return 1.0 / (1.0 + m.d_vcm * heuristic(lens_a) + m.d_vc * heuristic(lens_a * importance / float(frame.light_path_count)));
+    return 1.0 / (1.0 + m.d_vcm * heuristic(lens_a) + m.d_vc * heuristic(lens_a * importance / float(light_table.light_path_count)));
 }
 
 // The subpath has arrived at a vertex (g-arrow of eqs. 31 to 36): densities over solid angle become such per area there. `distance2` is the

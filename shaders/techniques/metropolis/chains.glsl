@@ -81,8 +81,8 @@ void proposal_close(vec2 position, float share, uint sample_index, inout Estimat
     e.radiance *= share;
     for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] *= share;
     if (scalar_contribution(e.radiance) < INFINITY) return;
-    uvec2 pixel = uvec2(clamp(position, vec2(0.0), vec2(frame.width - 1u, frame.height - 1u)));
-    report_bad_sample(pixel.y * frame.width + pixel.x, sample_index);
+    uvec2 pixel = uvec2(clamp(position, vec2(0.0), vec2(scene.width - 1u, scene.height - 1u)));
+    report_bad_sample(pixel.y * scene.width + pixel.x, sample_index);
     estimate_clear(e);
 }
 
@@ -93,13 +93,13 @@ float image_border() { return ceil(max(filter_radius() - 0.5, 0.0)); }
 // `light_path_count` pixels.
 vec2 image_place(vec2 u) {
     float border = image_border();
-    return u * (vec2(frame.width, frame.height) + 2.0 * border) - border;
+    return u * (vec2(scene.width, scene.height) + 2.0 * border) - border;
 }
 
 // Whether image_place comes there.
 bool inside_image(vec2 position) {
     float border = image_border();
-    return all(greaterThanEqual(position, vec2(-border))) && all(lessThan(position, vec2(frame.width, frame.height) + border));
+    return all(greaterThanEqual(position, vec2(-border))) && all(lessThan(position, vec2(scene.width, scene.height) + border));
 }
 
 // Adds what stands for a visit with this probability to the pixel there, layer by layer.
@@ -110,7 +110,7 @@ void visit_splat(vec2 position, vec2 u, float probability, float f, uint sample_
     uint pixel = splat_pixel(position, u, weight);
     if (pixel == NONE) return;
     // Positions are uniform over `light_path_count` pixels, and all visits of this sample share the mean contribution.
-    weight *= probability * compression(f) * table.normalisation * (float(frame.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
+    weight *= probability * compression(f) * table.normalisation * (float(table.light.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
     for (uint i = 0u; i < splat_layers(); i++) {
         vec3 value = layer_value(e, i);
         if (value != vec3(0.0)) splat(pixel, sample_index, i + 1u, value / f * weight);

@@ -10,7 +10,7 @@
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer ChainTables { ChainTable at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Numbers { vec4 block; };
 
-ChainTable chain_table() { return ChainTables(frame.chains).at[0]; }
+ChainTable chain_table() { return ChainTables(frame.technique).at[0]; }
 
 // Numbers of one proposal. Nothing is drawn from what a chain has accepted since.
 struct Sampler {

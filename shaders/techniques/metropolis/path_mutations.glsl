@@ -160,7 +160,7 @@ void mutation_begin(inout Mutation m) {
         m.last = n + 1u;
         copy_vertices(m, 0u, 1u, 0u);
         if (n < k) copy_vertices(m, n + 1u, k + 1u, n + 1u);
-        float longest = sqrt(LARGEST_SHARE * INV_PI * frame.width * frame.height);
+        float longest = sqrt(LARGEST_SHARE * INV_PI * scene.width * scene.height);
         m.position += between(SHORTEST_MOVE, max(longest, 2.0 * SHORTEST_MOVE), u.y) * on_circle(u.z);
         m.ended = !inside_image(m.position);
     } else {

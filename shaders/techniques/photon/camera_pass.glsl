@@ -10,13 +10,13 @@
 // Radiance of the photons around a vertex: the density estimate with a constant kernel (Jensen 1996).
 void add_photons(Path path, Vertex v, Bsdf b, inout Estimate e) {
     uint length = path.depth + 1u;
-    vec3 factor = path.throughput / (PI * frame.merge_radius * frame.merge_radius * light_path_count() * scene.splat_unit);
+    vec3 factor = path.throughput / (PI * merge_radius() * merge_radius() * light_path_count() * scene.splat_unit);
     DensitySums sums;
     density_clear(sums);
     GridSearch search = grid_search(v.at.position);
     while (grid_next(search)) {
-        PhotonPath kept = photon_path(search.index / frame.light_vertices);
-        uint place = search.index % frame.light_vertices;
+        PhotonPath kept = photon_path(search.index / light_table.light_vertices);
+        uint place = search.index % light_table.light_vertices;
         if (!grid_found(search, kept.at[place].position)) continue;
         Photon y = kept.at[place];
         // Photons are as dense as the geometric cosine says, the BSDF goes by the shading one.

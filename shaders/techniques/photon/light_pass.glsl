@@ -42,8 +42,8 @@ bool extend(inout Lane lane) { return follow(lane.kept, lane.light.emitted.power
 
 // Where more photons were met than there is room for, those that are kept stand for all.
 void end(inout Lane lane) {
-    lane.kept.count = min(lane.met, frame.light_vertices);
-    if (lane.met > frame.light_vertices) {
+    lane.kept.count = min(lane.met, light_table.light_vertices);
+    if (lane.met > light_table.light_vertices) {
         for (uint i = 0u; i < lane.kept.count; i++) lane.kept.at[i].power *= kept_share(lane.met);
     }
     light_end(lane.light);

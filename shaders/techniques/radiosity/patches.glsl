@@ -9,11 +9,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Pat
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Counts { uint at[]; };
 
-PatchTable patch_table() { return PatchTables(frame.patches).table; }
+PatchTable patch_table() { return PatchTables(frame.technique).table; }
 
 // The round of this dispatch, and whether it is one of those that add light of one more segment.
-uint round_index() { return frame.round & ~PREPARING_BIT; }
-bool round_prepares() { return (frame.round & PREPARING_BIT) != 0u; }
+uint round_index() { return frame.word & ~PREPARING_BIT; }
+bool round_prepares() { return (frame.word & PREPARING_BIT) != 0u; }
 
 // The values that begin `count` vectors after an address.
 Values values_after(uvec2 address, uint64_t count) { return Values(unpack32(pack64(address) + uint64_t(VEC3_BYTES) * count)); }

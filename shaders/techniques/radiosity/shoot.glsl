@@ -34,7 +34,7 @@ vec3 power_to_send(PatchTable t, uint index, float area, uint layer) {
 #ifdef PASS_SHOOT
 // Numbers of a round of their own: what follows each other must not have met the same points of a sequence.
 Sampler shot_numbers(uint index, uint i, uint dimension) {
-    return Sampler(index, i, dimension, pcg4d(uvec4(frame.seed, frame.round, 0x510e527fu, 0u)).x);
+    return Sampler(index, i, dimension, pcg4d(uvec4(frame.seed, frame.word, 0x510e527fu, 0u)).x);
 }
 
 void arrive(PatchTable t, uint patch_, uint layer, vec3 power) {

@@ -1,12 +1,14 @@
 //! What `bdpt` keeps: the light subpath of each camera subpath, and splats.
 
 use super::super::light_paths::{LightPathSize, LightPathStore};
+use super::super::light_table;
 use super::super::settings::Settings;
 use super::super::splat_planes::SplatPlanes;
 use super::super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
 use super::super::stream::StateStream;
 use crate::error::Result;
-use crate::layout::{BIDIRECTIONAL_LENGTH, FrameConstants, LightVertex};
+use crate::gpu::Buffer;
+use crate::layout::{BIDIRECTIONAL_LENGTH, LightVertex};
 use crate::scene::Scene;
 
 /// What bidirectional path tracing keeps.
@@ -25,30 +27,32 @@ fn light_paths(settings: &Settings) -> LightPathSize {
 
 impl StateKind for Connecting {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
-        Ok(vec![SplatPlanes::bytes(settings, SplatPlanes::several(settings)), light_paths(settings).bytes()])
+        let splats = SplatPlanes::bytes(settings, SplatPlanes::several(settings));
+        Ok(vec![light_table::bytes(), splats, light_paths(settings).bytes()])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let settings = context.settings;
-        Ok(Box::new(ConnectingState {
-            splats: SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?,
-            light_paths: LightPathStore::new(context.gpu, light_paths(settings))?,
-            paths_of_sample: settings.pixels() as u32,
-        }))
+        let splats = SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?;
+        let light_paths = LightPathStore::new(context.gpu, light_paths(settings))?;
+        let table = light_table::upload(context.gpu, |table| {
+            splats.describe(table);
+            light_paths.describe(table);
+            table.light_path_count = settings.pixels() as u32;
+        })?;
+        Ok(Box::new(ConnectingState { table, splats, light_paths }))
     }
 }
 
 struct ConnectingState {
+    table: Buffer,
     splats: SplatPlanes,
     light_paths: LightPathStore,
-    paths_of_sample: u32,
 }
 
 impl TechniqueState for ConnectingState {
-    fn describe(&self, _: u32, constants: &mut FrameConstants) {
-        self.splats.describe(constants);
-        self.light_paths.describe(constants);
-        constants.light_path_count = self.paths_of_sample;
+    fn table(&self) -> u64 {
+        self.table.address()
     }
 
     fn limits(&self) -> FrameLimits {

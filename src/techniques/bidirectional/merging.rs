@@ -1,6 +1,7 @@
 //! What `vcm` keeps: all light subpaths of a sample, a grid to find their vertices in, the merge radius, and splats.
 
 use super::super::light_paths::{LightPathSize, LightPathStore};
+use super::super::light_table;
 use super::super::merging::{Grid, MergeRadius, MergeSchedule, merged_vertices};
 use super::super::settings::Settings;
 use super::super::splat_planes::SplatPlanes;
@@ -8,7 +9,8 @@ use super::super::state::{Context, FrameLimits, StateBytes, StateKind, Technique
 use super::super::stream::StateStream;
 use super::super::table::Pass;
 use crate::error::Result;
-use crate::layout::{BIDIRECTIONAL_LENGTH, FrameConstants, LightVertex};
+use crate::gpu::Buffer;
+use crate::layout::{BIDIRECTIONAL_LENGTH, LightVertex};
 use crate::scene::Scene;
 
 /// What vertex connection and merging keeps.
@@ -26,21 +28,27 @@ impl StateKind for ConnectingAndMerging {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
         let light_paths = light_paths(settings);
         let [cells, places] = Grid::bytes(light_paths);
-        Ok(vec![SplatPlanes::bytes(settings, PLANES), light_paths.bytes(), cells, places])
+        Ok(vec![light_table::bytes(), SplatPlanes::bytes(settings, PLANES), light_paths.bytes(), cells, places])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let (gpu, settings, size) = (context.gpu, context.settings, light_paths(context.settings));
-        Ok(Box::new(ConnectingAndMergingState {
-            splats: SplatPlanes::new(gpu, settings, PLANES)?,
-            light_paths: LightPathStore::new(gpu, size)?,
-            grid: Grid::new(gpu, size)?,
-            radius: MergeRadius::of(&settings.technique, context.scene, size.paths as u32),
-        }))
+        let splats = SplatPlanes::new(gpu, settings, PLANES)?;
+        let light_paths = LightPathStore::new(gpu, size)?;
+        let grid = Grid::new(gpu, size)?;
+        let table = light_table::upload(gpu, |table| {
+            splats.describe(table);
+            light_paths.describe(table);
+            grid.describe(table);
+            table.light_path_count = size.paths as u32;
+        })?;
+        let radius = MergeRadius::of(&settings.technique, context.scene, size.paths as u32);
+        Ok(Box::new(ConnectingAndMergingState { table, splats, light_paths, grid, radius }))
     }
 }
 
 struct ConnectingAndMergingState {
+    table: Buffer,
     splats: SplatPlanes,
     light_paths: LightPathStore,
     grid: Grid,
@@ -48,12 +56,12 @@ struct ConnectingAndMergingState {
 }
 
 impl TechniqueState for ConnectingAndMergingState {
-    fn describe(&self, sample: u32, constants: &mut FrameConstants) {
-        self.splats.describe(constants);
-        self.light_paths.describe(constants);
-        self.grid.describe(constants);
-        constants.light_path_count = self.light_paths.size.paths as u32;
-        constants.merge_radius = self.radius.at(sample);
+    fn table(&self) -> u64 {
+        self.table.address()
+    }
+
+    fn word(&self, sample: u32) -> u32 {
+        self.radius.at(sample).to_bits()
     }
 
     fn limits(&self) -> FrameLimits {

@@ -1,11 +1,12 @@
 //! Light tracing: its samples reach pixels as splats.
 
+use super::light_table;
 use super::settings::Settings;
 use super::splat_planes::SplatPlanes;
 use super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
 use super::stream::StateStream;
 use crate::error::Result;
-use crate::layout::FrameConstants;
+use crate::gpu::Buffer;
 use crate::scene::Scene;
 
 /// What light tracing keeps.
@@ -13,28 +14,28 @@ pub(super) struct LightTracing;
 
 impl StateKind for LightTracing {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
-        Ok(vec![SplatPlanes::bytes(settings, SplatPlanes::several(settings))])
+        Ok(vec![light_table::bytes(), SplatPlanes::bytes(settings, SplatPlanes::several(settings))])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let settings = context.settings;
-        Ok(Box::new(LightTracingState {
-            splats: SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?,
-            paths: settings.pixels() as u32,
-        }))
+        let splats = SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?;
+        let table = light_table::upload(context.gpu, |table| {
+            splats.describe(table);
+            table.light_path_count = settings.pixels() as u32;
+        })?;
+        Ok(Box::new(LightTracingState { table, splats }))
     }
 }
 
 struct LightTracingState {
+    table: Buffer,
     splats: SplatPlanes,
-    /// Light paths of a sample.
-    paths: u32,
 }
 
 impl TechniqueState for LightTracingState {
-    fn describe(&self, _: u32, constants: &mut FrameConstants) {
-        self.splats.describe(constants);
-        constants.light_path_count = self.paths;
+    fn table(&self) -> u64 {
+        self.table.address()
     }
 
     fn limits(&self) -> FrameLimits {

@@ -7,7 +7,7 @@ use super::super::table::Pass;
 use super::super::table::merging::{GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL};
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{FrameConstants, GridCell, address};
+use crate::layout::{GridCell, LightTable, address};
 
 const CELLS: &str = "grid cells";
 const PLACES: &str = "grid places";
@@ -64,11 +64,11 @@ impl Grid {
         }
     }
 
-    /// Tells shaders where it is.
-    pub fn describe(&self, constants: &mut FrameConstants) {
-        constants.grid_cells = address(self.cells.address());
-        constants.grid_places = address(self.places.address());
-        constants.grid_cell_count = self.cell_count;
+    /// Writes where it is.
+    pub fn describe(&self, table: &mut LightTable) {
+        table.grid_cells = address(self.cells.address());
+        table.grid_places = address(self.places.address());
+        table.grid_cell_count = self.cell_count;
     }
 
     /// Between passes it is of no further use.

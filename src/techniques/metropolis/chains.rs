@@ -23,7 +23,7 @@ use super::super::table::metropolis::{MULTIPLEXED, PATHS, PRIMARY};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, FrameConstants, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
+    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, LightTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
     WORKGROUP, address,
 };
 use crate::scene::Scene;
@@ -206,10 +206,8 @@ pub struct Chains {
 }
 
 impl TechniqueState for Chains {
-    fn describe(&self, _: u32, constants: &mut FrameConstants) {
-        self.splats.describe(constants);
-        constants.light_path_count = self.paths_of_sample;
-        constants.chains = address(self.table.address());
+    fn table(&self) -> u64 {
+        self.table.address()
     }
 
     fn limits(&self) -> FrameLimits {
@@ -392,7 +390,10 @@ impl Chains {
         }
         self.kinds_shares.upload(bytemuck::cast_slice(&cumulative))?;
         let size = &self.size;
+        let mut light = LightTable { light_path_count: self.paths_of_sample, ..LightTable::default() };
+        self.splats.describe(&mut light);
         let table = ChainTable {
+            light,
             candidates: address(self.bootstrap.address()),
             states: address(self.states.address()),
             values: address(self.values.address()),

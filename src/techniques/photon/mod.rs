@@ -1,13 +1,15 @@
 //! Progressive photon mapping: the photons of one sample, and a grid to find them in.
 
 use super::light_paths::{LightPathSize, LightPathStore};
+use super::light_table;
 use super::merging::{Grid, MergeRadius, MergeSchedule, merged_vertices};
 use super::settings::Settings;
 use super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
 use super::stream::StateStream;
 use super::table::Pass;
 use crate::error::Result;
-use crate::layout::{FrameConstants, PHOTONS_OF_PATH, Photon};
+use crate::gpu::Buffer;
+use crate::layout::{PHOTONS_OF_PATH, Photon};
 use crate::scene::Scene;
 
 /// What photon mapping keeps.
@@ -21,31 +23,37 @@ impl StateKind for PhotonMapping {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
         let light_paths = light_paths(settings);
         let [cells, places] = Grid::bytes(light_paths);
-        Ok(vec![light_paths.bytes(), cells, places])
+        Ok(vec![light_table::bytes(), light_paths.bytes(), cells, places])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let size = light_paths(context.settings);
-        Ok(Box::new(PhotonMappingState {
-            light_paths: LightPathStore::new(context.gpu, size)?,
-            grid: Grid::new(context.gpu, size)?,
-            radius: MergeRadius::of(&context.settings.technique, context.scene, size.paths as u32),
-        }))
+        let light_paths = LightPathStore::new(context.gpu, size)?;
+        let grid = Grid::new(context.gpu, size)?;
+        let table = light_table::upload(context.gpu, |table| {
+            light_paths.describe(table);
+            grid.describe(table);
+            table.light_path_count = size.paths as u32;
+        })?;
+        let radius = MergeRadius::of(&context.settings.technique, context.scene, size.paths as u32);
+        Ok(Box::new(PhotonMappingState { table, light_paths, grid, radius }))
     }
 }
 
 struct PhotonMappingState {
+    table: Buffer,
     light_paths: LightPathStore,
     grid: Grid,
     radius: MergeRadius,
 }
 
 impl TechniqueState for PhotonMappingState {
-    fn describe(&self, sample: u32, constants: &mut FrameConstants) {
-        self.light_paths.describe(constants);
-        self.grid.describe(constants);
-        constants.light_path_count = self.light_paths.size.paths as u32;
-        constants.merge_radius = self.radius.at(sample);
+    fn table(&self) -> u64 {
+        self.table.address()
+    }
+
+    fn word(&self, sample: u32) -> u32 {
+        self.radius.at(sample).to_bits()
     }
 
     fn limits(&self) -> FrameLimits {

@@ -17,8 +17,7 @@ use super::report::PatchReport;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    FIXED_RGB_BYTES, FrameConstants, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES,
-    WORKGROUP, address,
+    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES, WORKGROUP, address,
 };
 use crate::scene::Scene;
 use crate::scene::compile::light::triangle_area;
@@ -177,8 +176,6 @@ pub struct Radiosity {
     open_ended: bool,
     shoots: bool,
     rays: u32,
-    /// Pixels of the image.
-    pixels: u32,
     /// What comes next, from which patch on.
     task: Task,
     cursor: u32,
@@ -247,7 +244,6 @@ impl Radiosity {
             table: Buffer::with_data(gpu, "patches", &[table])?,
             rays: if trials > 0 { TRIAL_RAYS } else { rays(settings, patches) },
             surfaces: scene.surfaces.len(),
-            pixels: settings.pixels() as u32,
             mesh,
             newest,
             received,
@@ -344,10 +340,13 @@ impl Radiosity {
 }
 
 impl TechniqueState for Radiosity {
-    fn describe(&self, _: u32, constants: &mut FrameConstants) {
-        constants.patches = address(self.table.address());
-        constants.round = self.rounds.saturating_sub(1); // the one that the image shows
-        constants.light_path_count = self.pixels;
+    fn table(&self) -> u64 {
+        self.table.address()
+    }
+
+    /// The round that the image shows.
+    fn word(&self, _: u32) -> u32 {
+        self.rounds.saturating_sub(1)
     }
 
     /// Each sample shows patches in a state of their own.
