@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::upload::Uploaded;
+use super::device_scene::DeviceScene;
 use crate::error::Result;
 use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
 use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
@@ -13,22 +13,28 @@ use crate::techniques::{Pass, Sampler, Settings};
 pub(super) struct Kernel {
     pub pipeline: Pipeline,
     pub bindings: Bindings,
-    pub scene: Arc<Uploaded>,
+    pub scene: Arc<DeviceScene>,
     /// What the pipeline was made of.
     made_of: gpu::Kernel,
 }
 
 impl Kernel {
     /// Makes a pipeline of the module `name` for a scene that is on the device. The caller has checked the settings.
-    pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str, uploaded: Arc<Uploaded>) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        settings: &Settings,
+        name: &str,
+        device_scene: Arc<DeviceScene>,
+    ) -> Result<Self> {
         let made_of = gpu::Kernel {
             module: name.to_owned(),
-            constants: constants(scene, settings, gpu.survey().kind, uploaded.stack_size, &uploaded.inline)?,
+            constants: constants(scene, settings, gpu.survey().kind, device_scene.stack_size, &device_scene.inline)?,
             driver_specialises: settings.driver_specialises,
             arithmetic: settings.arithmetic,
         };
-        let (pipeline, bindings) = Self::make(gpu, &made_of, &uploaded)?;
-        Ok(Self { pipeline, bindings, scene: uploaded, made_of })
+        let (pipeline, bindings) = Self::make(gpu, &made_of, &device_scene)?;
+        Ok(Self { pipeline, bindings, scene: device_scene, made_of })
     }
 
     /// The same for several modules, in their order: as many at once as there are cores, for a driver works on each with one.
@@ -37,13 +43,13 @@ impl Kernel {
         scene: &Scene,
         settings: &Settings,
         names: &[String],
-        uploaded: &Arc<Uploaded>,
+        device_scene: &Arc<DeviceScene>,
     ) -> Result<Vec<Self>> {
         use rayon::prelude::*;
-        names.par_iter().map(|name| Self::new(gpu, scene, settings, name, uploaded.clone())).collect()
+        names.par_iter().map(|name| Self::new(gpu, scene, settings, name, device_scene.clone())).collect()
     }
 
-    fn make(gpu: &Gpu, kernel: &gpu::Kernel, scene: &Uploaded) -> Result<(Pipeline, Bindings)> {
+    fn make(gpu: &Gpu, kernel: &gpu::Kernel, scene: &DeviceScene) -> Result<(Pipeline, Bindings)> {
         let pipeline = Pipeline::new(gpu, kernel, scene.tlas.is_some())?;
         let bindings = pipeline.bind(&scene.uniforms, scene.tlas.as_ref())?;
         Ok((pipeline, bindings))

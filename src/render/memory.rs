@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::upload::most_in_part;
+use super::device_scene::most_in_part;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
 use crate::gpu::accel::{self, BuildSizes};
@@ -24,7 +24,7 @@ const MOST_PLACED: u64 = 1 << 24;
 /// What one kind of data takes on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Part {
-    /// What it is, as [`super::Uploaded::bytes`] calls it.
+    /// What it is, as [`super::DeviceScene::bytes`] calls it.
     pub name: &'static str,
     /// Its bytes.
     pub bytes: u64,

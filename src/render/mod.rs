@@ -4,6 +4,7 @@
 //! submission of about a tenth of a second, so that drivers' watchdogs never fire, progress is smooth, and an interrupt
 //! is answered at once.
 
+mod device_scene;
 pub mod film;
 mod frames;
 mod kernel;
@@ -11,7 +12,6 @@ mod memory;
 mod probe;
 mod spent;
 mod target;
-mod upload;
 mod watch;
 
 use std::any::Any;
@@ -33,12 +33,12 @@ use crate::techniques::{
     Context, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, nothing, stages,
 };
 pub use crate::techniques::{Settings, Technique};
+pub use device_scene::DeviceScene;
 use frames::{Frame, FramePlan};
 use kernel::Kernel;
 pub use kernel::{Constants, KernelSize, kernel_sizes, modules_of};
 use memory::{LAYER_PIXEL_BYTES, TALLY_BYTES};
 pub use target::ErrorTarget;
-pub use upload::Uploaded;
 use watch::while_compiling;
 pub use watch::{Building, Watch};
 
@@ -104,15 +104,20 @@ impl Renderer {
     fn build(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let taking_part: Vec<&Pass> = settings.technique.passes().collect();
         let started = Instant::now();
-        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, watch)?);
+        let device_scene = Arc::new(DeviceScene::new(gpu, scene, settings, watch)?);
         let build = started.elapsed().as_secs_f64();
         let started = Instant::now();
         let names = kernel::module_names(settings);
-        let kernels = while_compiling(watch, || Kernel::several(gpu, scene, settings, &names, &uploaded))?;
+        let kernels = while_compiling(watch, || Kernel::several(gpu, scene, settings, &names, &device_scene))?;
         let passes: Vec<_> = taking_part.iter().map(|pass| **pass).zip(kernels).collect();
         let stages = stages(taking_part.into_iter());
-        let context =
-            Context { gpu, scene, settings, order: uploaded.order(), instance_order: uploaded.instance_order() };
+        let context = Context {
+            gpu,
+            scene,
+            settings,
+            order: device_scene.order(),
+            instance_order: device_scene.instance_order(),
+        };
         let state = settings.technique.row.state().make(&context)?;
         let pixels = settings.pixels();
         let mut renderer = Self {
@@ -279,8 +284,8 @@ impl Renderer {
         self.passes.iter().map(|(_, kernel)| kernel.size()).collect()
     }
 
-    /// What was uploaded.
-    pub fn scene(&self) -> &Uploaded {
+    /// The scene on the device.
+    pub fn scene(&self) -> &DeviceScene {
         &self.passes[0].1.scene
     }
 

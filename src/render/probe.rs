@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use bytemuck::Pod;
 
+use super::device_scene::{DeviceScene, sphere_radius};
 use super::frames::Frame;
 use super::kernel::Kernel;
 use super::spent;
-use super::upload::{Uploaded, sphere_radius};
 use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
@@ -28,9 +28,15 @@ pub struct Probe {
     has_run: AtomicBool,
 }
 
-fn compile(gpu: &Gpu, scene: &Scene, settings: &Settings, module: &str, uploaded: Arc<Uploaded>) -> Result<Kernel> {
+fn compile(
+    gpu: &Gpu,
+    scene: &Scene,
+    settings: &Settings,
+    module: &str,
+    device_scene: Arc<DeviceScene>,
+) -> Result<Kernel> {
     let started = Instant::now();
-    let kernel = Kernel::new(gpu, scene, settings, module, uploaded)?;
+    let kernel = Kernel::new(gpu, scene, settings, module, device_scene)?;
     spent::compiled(started.elapsed().as_secs_f64());
     Ok(kernel)
 }
@@ -41,8 +47,8 @@ impl Probe {
         let module = format!("{name}.{}", settings.backend.name());
         settings.check(gpu, scene)?;
         memory::check_scene(gpu, scene, settings)?;
-        let uploaded = Arc::new(Uploaded::new(gpu, scene, settings, &|_| {})?);
-        let kernel = compile(gpu, scene, settings, &module, uploaded)?;
+        let device_scene = Arc::new(DeviceScene::new(gpu, scene, settings, &|_| {})?);
+        let kernel = compile(gpu, scene, settings, &module, device_scene)?;
         Ok(Self::of(gpu, scene, settings, name, kernel))
     }
 
@@ -124,8 +130,8 @@ impl Probe {
         Ok(work)
     }
 
-    /// What was uploaded.
-    pub fn scene(&self) -> &Uploaded {
+    /// The scene on the device.
+    pub fn scene(&self) -> &DeviceScene {
         &self.kernel.scene
     }
 

@@ -24,7 +24,7 @@ use crate::techniques::Settings;
 const INLINE_WORTHWHILE: u64 = 1 << 20;
 
 /// A scene on the device. What the scene has none of is not allocated.
-pub struct Uploaded {
+pub struct DeviceScene {
     /// The uniform buffer.
     pub(super) uniforms: Buffer,
     /// The driver's acceleration structure (`ray-query`).
@@ -52,7 +52,7 @@ struct Built {
     stack_size: u32,
 }
 
-impl Uploaded {
+impl DeviceScene {
     pub(super) fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         let needs = settings.needs(scene);
         let inline_fits = settings.backend == Backend::Bvh
