@@ -198,17 +198,17 @@ shared_structs! {
     pub struct ChainTable {
         /// Where chains splat, and the number of pixels, those of the border included, that their positions are uniform over.
         light: LightTable,
-        /// Device address of the [`Candidate`]s.
-        candidates: uvec2,
+        /// Device address of the [`BootstrapSample`]s.
+        bootstrap: uvec2,
         /// Device address of the [`Chain`]s.
         states: uvec2,
-        /// Device address of what the current path of each brings, layer by layer (or the image's one): three floats for each chain.
+        /// Device address of the contribution of each one's current path, layer by layer (or the image's one): three floats for each chain.
         values: uvec2,
         /// Device address of the numbers: block by block, those of the camera's paths before those of the lights', four for each chain.
         numbers: uvec2,
         /// Device address of the probability that a large step is of the first so many kinds, for each number of them; the last one is 1.
         kinds_shares: uvec2,
-        /// How many of these there are.
+        /// Kinds of large steps.
         kind_count: uint,
         /// Chains.
         chains: uint,
@@ -216,42 +216,43 @@ shared_structs! {
         chains_of_sample: uint,
         /// Mutations of each of these.
         mutations: uint,
-        /// Blocks of numbers that a chain has room for, of the camera's paths.
+        /// Blocks of numbers that a chain has room for, of camera subpaths.
         camera_blocks: uint,
-        /// Of the lights' paths.
+        /// Blocks of numbers that a chain has room for, of light subpaths.
         light_blocks: uint,
-        /// Mean of the target over large steps, by the candidates.
+        /// Mean of the target over large steps, estimated from the bootstrap samples.
         normalisation: float,
-        /// What the target of chains comes to where paths bring much more than that.
+        /// K of the target compression f / (1 + f / K).
         bound: float,
     }
 
     /// A path that a chain may begin with.
-    pub struct Candidate {
-        /// What it brings: the mean of the channels, over the density of candidates.
-        brings: float,
+    pub struct BootstrapSample {
+        /// Its contribution: the mean of the channels, over the density of bootstrap samples.
+        contribution: float,
         /// Its kind, eight bits; above them that of large steps which made it; above these, how much of their density is the last kind's.
         kind: uint,
     }
 
     /// A Markov chain.
     pub struct Chain {
-        /// The candidate that it begins with.
-        candidate: uint,
-        /// The kind of its current path; before it has begun, that of large steps which made its candidate.
+        /// The bootstrap sample that it begins with.
+        begins_at: uint,
+        /// The kind of its current path; before it has begun, that of large steps which made its bootstrap
+        /// sample.
         kind: uint,
         /// Blocks of numbers that this one used: of the camera's in the lower half, of the light's in the upper one; `NONE` before it
         /// has begun.
         known: uint,
-        /// What it brings: the mean of the channels, over the density of large steps.
-        brings: float,
-        /// Where it ends in the image, in pixels.
+        /// Contribution of the current path: the mean of the channels, over the density of large steps.
+        contribution: float,
+        /// Where the path ends in the image, in pixels.
         position: vec2,
         /// Sum of the target where large steps went, whether they were accepted or not.
         sum: float,
-        /// Its low part.
+        /// Low part of `sum`.
         sum_low: float,
-        /// How many they were.
+        /// How many large steps there were.
         large_steps: uint,
     }
 

@@ -54,7 +54,7 @@ pub(super) fn chains(run: &mut Run) -> Result<()> {
             let mut sums = vec![[0.0; 2]; LAMPS * LAMPS];
             let place = |x: f32| ((f64::from(x) / f64::from(SIZE) * LAMPS as f64) as usize).min(LAMPS - 1);
             for chain in &chains {
-                let stands_for = 1.0 + f64::from(chain.brings) / bound;
+                let stands_for = 1.0 + f64::from(chain.contribution) / bound;
                 let [sum, squares] = &mut sums[LAMPS * place(chain.position[1]) + place(chain.position[0])];
                 *sum += stands_for;
                 *squares += stands_for * stands_for;

@@ -12,11 +12,11 @@
 #include "techniques/metropolis/numbers.glsl"
 #include "core/splat.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Candidates { Candidate candidate; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer BootstrapSamples { BootstrapSample bootstrap; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Chains { Chain chain; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Values { vec3 value; };
 
-Candidates bootstrap_at(uint index) { return Candidates(unpack32(pack64(chain_table().candidates) + uint64_t(CANDIDATE_BYTES) * uint64_t(index))); }
+BootstrapSamples bootstrap_at(uint index) { return BootstrapSamples(unpack32(pack64(chain_table().bootstrap) + uint64_t(BOOTSTRAP_SAMPLE_BYTES) * uint64_t(index))); }
 Chains chain_at(uint index) { return Chains(unpack32(pack64(chain_table().states) + uint64_t(CHAIN_BYTES) * uint64_t(index))); }
 
 Values value_at(uint chain, uint layer) {
@@ -57,7 +57,7 @@ Proposal bootstrap_proposal(uint index) {
 // The chain's next proposal: its first one is the bootstrap sample that it begins at.
 Proposal chain_propose(uint index, uint mutation, float large_step) {
     Chain c = chain_at(index).chain;
-    if (c.known == NONE) return Proposal(Sampler(c.candidate, 0u, 0u, 0u), c.kind, true, false, c);
+    if (c.known == NONE) return Proposal(Sampler(c.begins_at, 0u, 0u, 0u), c.kind, true, false, c);
     vec4 u = decisions(index, mutation);
     bool large = u.x < large_step;
     return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? kind_of(u.w) : c.kind, large, false, c);
@@ -131,7 +131,7 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
     bool begins = c.known == NONE;
     float proposed = scalar_contribution(e.radiance);
     vec4 u = decisions(index, mutation);
-    ratio *= compression(c.brings) / compression(proposed);
+    ratio *= compression(c.contribution) / compression(proposed);
     float acceptance = begins || ratio >= 1.0 ? 1.0 : ratio;
     if (!begins) {
         vec4 pixels = uniform4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)));
@@ -139,7 +139,7 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
         Estimate current;
         current.radiance = value_at(index, 0u).value;
         for (uint i = 0u; i < LENGTH_LAYERS; i++) current.by_length[i] = value_at(index, i).value;
-        visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.brings, sample_index, current);
+        visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.contribution, sample_index, current);
         if (p.large) {
             vec3 sum = vec3(c.sum), low = vec3(c.sum_low);
             add_compensated(sum, low, vec3(proposed / compression(proposed)));
@@ -153,7 +153,7 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
         for (uint i = 0u; i < splat_layers(); i++) value_at(index, i).value = layer_value(e, i);
         c.kind = p.kind;
         c.known = used;
-        c.brings = proposed;
+        c.contribution = proposed;
         c.position = position;
     }
     chain_at(index).chain = c;

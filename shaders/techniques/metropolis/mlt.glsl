@@ -77,7 +77,7 @@ void end(inout Lane lane) {
     Walk w = lane.walk;
     proposal_close(w.position, walk_share(w, p), lane.sample_index, lane.e);
     if (makes_bootstrap()) {
-        bootstrap_at(lane.place).candidate = Candidate(scalar_contribution(lane.e.radiance), walk_source(w, p));
+        bootstrap_at(lane.place).bootstrap = BootstrapSample(scalar_contribution(lane.e.radiance), walk_source(w, p));
     } else {
         p.kind = walk_kind(w, p);
         float ratio = walk_ratio(w, p, scalar_contribution(lane.e.radiance));

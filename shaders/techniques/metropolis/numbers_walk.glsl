@@ -1,7 +1,7 @@
 // What the forms have in common whose chains keep the random numbers of their current path: such a proposal is as likely as its reverse.
 
 // The acceptance ratio, but for target compression: f(y) T(y -> x) / (f(x) T(x -> y)) with both T alike.
-float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.brings; }
+float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.contribution; }
 
 uint walk_kind(Walk w, Proposal p) { return p.kind; }
 uint walk_source(Walk w, Proposal p) { return bootstrap_source(p.kind, p.kind, 0.0); }

@@ -366,7 +366,7 @@ bool mutation_follow(inout Mutation m, Proposal p, inout Estimate e, inout Weigh
     w.ran = density.x / density.y;
     if (p.from.known == NONE) return false;
     if (m.kind == INDEPENDENT) {
-        w.ratio = f * w.share / p.from.brings;
+        w.ratio = f * w.share / p.from.contribution;
         return false;
     }
     Route current = m.route;

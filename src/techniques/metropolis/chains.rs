@@ -23,7 +23,7 @@ use super::super::table::metropolis::{MULTIPLEXED, PATHS, PRIMARY};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    BIDIRECTIONAL_LENGTH, Candidate, Chain, ChainTable, LightTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
+    BIDIRECTIONAL_LENGTH, BootstrapSample, Chain, ChainTable, LightTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
     WORKGROUP, address,
 };
 use crate::scene::Scene;
@@ -137,7 +137,7 @@ impl ChainSize {
         [
             StateBytes::exact("chains", states + table),
             StateBytes::exact("paths of chains", self.room * self.number_bytes_of_chain()),
-            StateBytes::exact("candidates", self.bootstrap * size_of::<Candidate>() as u64),
+            StateBytes::exact("candidates", self.bootstrap * size_of::<BootstrapSample>() as u64),
         ]
     }
 }
@@ -232,8 +232,8 @@ impl TechniqueState for Chains {
         if self.made < self.wanted && !is_late {
             return Ok(());
         }
-        let bootstrap: Vec<Candidate> = self.bootstrap.read(self.made as usize)?;
-        if bootstrap.iter().any(|sample| sample.brings > 0.0) {
+        let bootstrap: Vec<BootstrapSample> = self.bootstrap.read(self.made as usize)?;
+        if bootstrap.iter().any(|sample| sample.contribution > 0.0) {
             self.wanted = self.made;
             return self.begin(&bootstrap);
         }
@@ -324,16 +324,16 @@ impl Chains {
         Ok(chains)
     }
 
-    fn begin(&mut self, candidates: &[Candidate]) -> Result<()> {
-        let targets = self.estimate_normalisation(candidates)?;
+    fn begin(&mut self, bootstrap: &[BootstrapSample]) -> Result<()> {
+        let targets = self.estimate_normalisation(bootstrap)?;
         let starts: Vec<u32> = chosen(&targets, self.size.chains as usize, self.offset).collect();
         // Chains that take part in one sample begin with bootstrap samples from all over the list, however many samples there will be.
         let (of_sample, turns) = (self.size.of_sample as usize, (self.size.chains / self.size.of_sample) as usize);
         let states: Vec<Chain> = (0..starts.len())
             .map(|chain| starts[chain % of_sample * turns + chain / of_sample])
-            .map(|candidate| Chain {
-                candidate,
-                kind: Source::of(candidates[candidate as usize]).made_by as u32,
+            .map(|begins_at| Chain {
+                begins_at,
+                kind: Source::of(bootstrap[begins_at as usize]).made_by as u32,
                 known: NONE,
                 ..Chain::default()
             })
@@ -343,14 +343,14 @@ impl Chains {
 
     /// Estimates the normalisation of the target from bootstrap samples, its mean over the density of large steps, together with its bound
     /// and the probabilities of kinds. Returns the target of chains at each sample, over the density of bootstrap samples.
-    fn estimate_normalisation(&mut self, candidates: &[Candidate]) -> Result<Vec<f64>> {
-        let brings = || candidates.iter().map(|candidate| f64::from(candidate.brings));
-        // Large steps have those kinds that bring more, more often.
-        let first = bound(brings().map(|brings| (brings, 1.0)), self.bound_in_means);
+    fn estimate_normalisation(&mut self, bootstrap: &[BootstrapSample]) -> Result<Vec<f64>> {
+        // Large steps have those kinds that contribute more, more often.
+        let contributions = bootstrap.iter().map(|sample| (f64::from(sample.contribution), 1.0));
+        let first = bound(contributions, self.bound_in_means);
         let mut shares = vec![0.0; self.size.kinds as usize];
         let last = shares.len() - 1;
-        for candidate in candidates {
-            let (source, target) = (Source::of(*candidate), bounded(f64::from(candidate.brings), first));
+        for sample in bootstrap {
+            let (source, target) = (Source::of(*sample), compressed(f64::from(sample.contribution), first));
             shares[source.kind.min(last)] += (1.0 - source.by_last) * target;
             shares[last] += source.by_last * target;
         }
@@ -359,15 +359,17 @@ impl Chains {
         self.shares = shares;
         // How much likelier a large step makes this path than a bootstrap sample was to be it.
         let of_kind: Vec<f64> = self.shares.iter().zip(&fixed).map(|(share, fixed)| share / fixed).collect();
-        let likelier = |candidate: &Candidate| {
-            let Source { kind, by_last, .. } = Source::of(*candidate);
+        let likelier = |sample: &BootstrapSample| {
+            let Source { kind, by_last, .. } = Source::of(*sample);
             (1.0 - by_last) * of_kind[kind.min(last)] + by_last * of_kind[last]
         };
-        let weighed = || candidates.iter().map(|c| (f64::from(c.brings) / likelier(c), likelier(c)));
+        let weighed =
+            || bootstrap.iter().map(|sample| (f64::from(sample.contribution) / likelier(sample), likelier(sample)));
         let bound = bound(weighed(), self.bound_in_means);
-        let targets: Vec<f64> = weighed().map(|(brings, likelier)| likelier * bounded(brings, bound)).collect();
+        let targets: Vec<f64> =
+            weighed().map(|(contribution, likelier)| likelier * compressed(contribution, bound)).collect();
         let sum: f64 = targets.iter().sum();
-        let mean = sum / candidates.len() as f64;
+        let mean = sum / bootstrap.len() as f64;
         (self.bound, self.sum) = (bound, Some(sum));
         self.squares = targets.iter().map(|target| (target - mean).powi(2)).sum();
         self.describe_chains(mean)?;
@@ -394,7 +396,7 @@ impl Chains {
         self.splats.describe(&mut light);
         let table = ChainTable {
             light,
-            candidates: address(self.bootstrap.address()),
+            bootstrap: address(self.bootstrap.address()),
             states: address(self.states.address()),
             values: address(self.values.address()),
             numbers: address(self.numbers.address()),
@@ -421,7 +423,7 @@ impl Chains {
         &self.shares
     }
 
-    /// The bound K of the target of chains, in the unit of [`Chain::brings`]; infinite before there are any chains.
+    /// The bound K of the target of chains, in the unit of [`Chain::contribution`]; infinite before there are any chains.
     pub fn bound(&self) -> f64 {
         self.bound
     }
@@ -446,7 +448,7 @@ impl Chains {
     }
 }
 
-/// Where a bootstrap sample is from, as `candidate_source` of `shaders/techniques/metropolis/chains.glsl` packs it.
+/// Where a bootstrap sample is from, as `bootstrap_source` of `shaders/techniques/metropolis/chains.glsl` packs it.
 struct Source {
     kind: usize,
     /// The kind of large steps that made it.
@@ -456,8 +458,8 @@ struct Source {
 }
 
 impl Source {
-    fn of(candidate: Candidate) -> Self {
-        let word = candidate.kind;
+    fn of(sample: BootstrapSample) -> Self {
+        let word = sample.kind;
         let [kind, made_by] = [word & 0xff, word >> 8 & 0xff].map(|byte| byte as usize);
         Self { kind, made_by, by_last: f64::from(word >> 16) / 65535.0 }
     }
@@ -472,19 +474,19 @@ fn divided(pixels: u64, most: u64) -> [u64; 3] {
 }
 
 /// The compressed target of chains at a path of this contribution: about as much where that is far below the bound, and never more than it.
-fn bounded(brings: f64, bound: f64) -> f64 {
-    brings / (1.0 + brings / bound)
+fn compressed(contribution: f64, bound: f64) -> f64 {
+    contribution / (1.0 + contribution / bound)
 }
 
 /// The bound that is so many times the mean of the target under it, over the paths that contribute anything; `paths` is the contribution of
 /// each, and how much it counts. The mean is the target's so that the brightest paths do not raise the bound that is to hold them.
 fn bound(paths: impl Iterator<Item = (f64, f64)>, means: f64) -> f64 {
-    let (values, weights): (Vec<f64>, Vec<f64>) = paths.filter(|(brings, _)| *brings > 0.0).unzip();
+    let (values, weights): (Vec<f64>, Vec<f64>) = paths.filter(|(contribution, _)| *contribution > 0.0).unzip();
     let all: f64 = weights.iter().sum();
     // The mean of the target, and its derivative by the bound.
     let mean = |bound: f64| {
-        values.iter().zip(&weights).fold([0.0; 2], |[mean, slope], (brings, weight)| {
-            let target = bounded(*brings, bound);
+        values.iter().zip(&weights).fold([0.0; 2], |[mean, slope], (contribution, weight)| {
+            let target = compressed(*contribution, bound);
             [mean + weight / all * target, slope + weight / all * (target / bound).powi(2)]
         })
     };
@@ -579,7 +581,7 @@ mod tests {
     fn few_paths_do_not_raise_the_bound() {
         let values: Vec<f64> = (0..1000).map(|i| f64::from(i % 10)).collect();
         let plain = bound(values.iter().map(|x| (*x, 1.0)), 100.0);
-        let mean = values.iter().filter(|x| **x > 0.0).map(|x| bounded(*x, plain)).sum::<f64>() / 900.0;
+        let mean = values.iter().filter(|x| **x > 0.0).map(|x| compressed(*x, plain)).sum::<f64>() / 900.0;
         assert!((plain / mean - 100.0).abs() < 1e-6, "{plain} over {mean}");
         let with_one = bound(values.iter().copied().chain([1e9]).map(|x| (x, 1.0)), 100.0);
         assert!(with_one > plain && with_one < 1.2 * plain, "{with_one} against {plain}");
