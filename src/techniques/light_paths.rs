@@ -31,10 +31,10 @@ impl LightPathSize {
         Self { paths: (LIGHT_PATH_BYTES / path_bytes).max(least).min(all), vertices, path_bytes }
     }
 
-    /// Subpaths for all camera subpaths of one sample: as many as pixels, where there is room.
-    pub fn of_sample(settings: &Settings, vertices: u32, vertex_bytes: usize) -> Self {
+    /// Subpaths for all camera subpaths of one sample: as many as are wanted, where there is room.
+    pub fn of_sample(wanted: u64, vertices: u32, vertex_bytes: usize) -> Self {
         let path_bytes = path_bytes(vertices, vertex_bytes);
-        Self { paths: (LIGHT_PATH_BYTES / path_bytes).min(settings.pixels()), vertices, path_bytes }
+        Self { paths: (LIGHT_PATH_BYTES / path_bytes).min(wanted), vertices, path_bytes }
     }
 
     /// What they take.

@@ -21,7 +21,7 @@ const PLANES: u64 = 1;
 
 fn light_paths(settings: &Settings) -> LightPathSize {
     let vertices = merged_vertices(settings, BIDIRECTIONAL_LENGTH - 1);
-    LightPathSize::of_sample(settings, vertices, size_of::<LightVertex>())
+    LightPathSize::of_sample(settings.pixels(), vertices, size_of::<LightVertex>())
 }
 
 impl StateKind for ConnectingAndMerging {

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 pub(super) struct PhotonMapping;
 
 fn light_paths(settings: &Settings) -> LightPathSize {
-    LightPathSize::of_sample(settings, merged_vertices(settings, PHOTONS_OF_PATH), size_of::<Photon>())
+    LightPathSize::of_sample(settings.pixels(), merged_vertices(settings, PHOTONS_OF_PATH), size_of::<Photon>())
 }
 
 impl StateKind for PhotonMapping {
