@@ -212,7 +212,8 @@ fn run() -> Result<(), String> {
     for folder in [&generated, &modules] {
         fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
     }
-    write_if_changed(&generated.join("layout.glsl"), layout::glsl().as_bytes())?;
+    let of_techniques: Vec<&layout::SharedStruct> = table::structs().collect();
+    write_if_changed(&generated.join("layout.glsl"), layout::glsl(&of_techniques).as_bytes())?;
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
     write_if_changed(&generated.join("materials.glsl"), layout::materials_glsl().as_bytes())?;
     write_if_changed(&generated.join("lights.glsl"), layout::lights_glsl().as_bytes())?;
@@ -222,9 +223,11 @@ fn run() -> Result<(), String> {
         println!("cargo:rerun-if-changed={source}");
     }
     for family in files_in("src/techniques") {
-        let row = format!("src/techniques/{family}/row.rs");
-        if Path::new(&row).exists() {
-            println!("cargo:rerun-if-changed={row}");
+        for file in ["row.rs", "structs.rs"] {
+            let file = format!("src/techniques/{family}/{file}");
+            if Path::new(&file).exists() {
+                println!("cargo:rerun-if-changed={file}");
+            }
         }
     }
 

@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use lumbre::layout::{self, address, specialisation};
+use lumbre::layout::{self, INLINE_FIRST_ID, SharedStruct, address, specialisation};
+use lumbre::techniques;
 
 /// The passes that hold everything that is shared, and the kernels that have structs of their own.
 const MODULES: [&str; 14] = [
@@ -31,6 +32,11 @@ const MEMBER_DECORATE: u32 = 72;
 const SPEC_ID: u32 = 1;
 const ARRAY_STRIDE: u32 = 6;
 const OFFSET: u32 = 35;
+
+/// Every shared struct, those of single families of techniques included.
+fn structs() -> impl Iterator<Item = &'static SharedStruct> {
+    layout::structs().chain(techniques::structs())
+}
 
 /// A module's instructions: the number of each, and its operands.
 struct Module(Vec<(u32, Vec<u32>)>);
@@ -97,7 +103,7 @@ fn offsets_are_the_same_on_both_sides() {
     let mut seen = BTreeSet::new();
     for name in MODULES {
         for (found, members) in load(name).structs() {
-            let Some(shared) = layout::structs().find(|shared| shared.name == found) else { continue };
+            let Some(shared) = structs().find(|shared| shared.name == found) else { continue };
             let host: Vec<_> =
                 shared.members.iter().map(|member| (member.name.to_owned(), member.offset as u32)).collect();
             assert_eq!(members, host, "{found} in {name}");
@@ -105,14 +111,14 @@ fn offsets_are_the_same_on_both_sides() {
         }
     }
     // `load_primitive` unpacks primitives by hand; see below.
-    let all: BTreeSet<_> = layout::structs().map(|shared| shared.name).filter(|name| *name != "Primitive").collect();
+    let all: BTreeSet<_> = structs().map(|shared| shared.name).filter(|name| *name != "Primitive").collect();
     assert_eq!(seen, all, "every shared struct is in memory in one of {MODULES:?}");
 }
 
 /// The words that `load_primitive` takes apart.
 #[test]
 fn primitives_are_ten_words() {
-    let primitive = layout::structs().find(|shared| shared.name == "Primitive").unwrap();
+    let primitive = structs().find(|shared| shared.name == "Primitive").unwrap();
     let offsets: Vec<_> = primitive.members.iter().map(|member| (member.name, member.offset)).collect();
     assert_eq!(offsets, [("v0", 0), ("v1", 12), ("v2", 24), ("surface", 36)]);
     assert_eq!(primitive.size, 40);
@@ -126,7 +132,7 @@ fn array_strides_are_the_sizes() {
         let (names, strides) = (module.names(), module.decorated(ARRAY_STRIDE));
         for array in module.of(TYPE_RUNTIME_ARRAY).chain(module.of(TYPE_ARRAY)) {
             let element = names.get(&array[1]);
-            let Some(shared) = layout::structs().find(|shared| element.is_some_and(|name| name == shared.name)) else {
+            let Some(shared) = structs().find(|shared| element.is_some_and(|name| name == shared.name)) else {
                 continue;
             };
             if let Some(stride) = strides.get(&array[0]) {
@@ -142,17 +148,37 @@ fn array_strides_are_the_sizes() {
 
 #[test]
 fn specialisation_ids_are_the_same_on_both_sides() {
-    let module = load("path.pixels.bvh");
-    let names = module.names();
-    let mut checked = 0;
-    for (constant, id) in module.decorated(SPEC_ID) {
-        let name = names.get(&constant).cloned().unwrap_or_default();
-        if let Some(constant) = specialisation().find(|constant| constant.name == name) {
-            assert_eq!(id, constant.id, "{name}");
-            checked += 1;
+    let mut found = BTreeMap::new();
+    for name in MODULES {
+        let module = load(name);
+        let names = module.names();
+        let named = |(constant, id): (u32, u32)| Some((names.get(&constant)?.clone(), id));
+        // Coordinates of the inline geometry have identifiers behind all others.
+        found.extend(module.decorated(SPEC_ID).into_iter().filter(|(_, id)| *id < INLINE_FIRST_ID).filter_map(named));
+    }
+    let host: BTreeMap<_, _> = specialisation().map(|constant| (constant.name.to_owned(), constant.id)).collect();
+    assert_eq!(found, host);
+}
+
+/// What `build.rs` writes for branches by kind names each kind of the tables once.
+#[test]
+fn every_kind_has_its_branches() {
+    let materials = layout::materials_glsl();
+    for kind in layout::MATERIALS {
+        let Some(bsdf) = kind.bsdf else { continue };
+        let delta = kind.has(layout::Trait::AllDelta);
+        for (function, count) in [("sample", 1), ("eval", usize::from(!delta)), ("pdf", usize::from(!delta))] {
+            let calls = materials.matches(&format!(" {}_{function}(", bsdf.prefix)).count();
+            assert_eq!(calls, count, "calls of {}_{function}", bsdf.prefix);
         }
     }
-    assert!(checked >= 20, "only {checked} specialisation constants were found");
+    let lights = layout::lights_glsl();
+    for kind in layout::LIGHTS {
+        for function in ["sample", "emit"] {
+            let calls = lights.matches(&format!(" {}_light_{function}(", kind.prefix)).count();
+            assert_eq!(calls, 1, "calls of {}_light_{function}", kind.prefix);
+        }
+    }
 }
 
 #[test]

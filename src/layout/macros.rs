@@ -14,7 +14,7 @@ macro_rules! shared_structs {
         )*
 
         /// The shared structs of this module, in the order of declaration.
-        pub(super) const STRUCTS: &[SharedStruct] = &[$(
+        pub(crate) const STRUCTS: &[SharedStruct] = &[$(
             SharedStruct {
                 name: stringify!($name),
                 size: size_of::<$name>(),
@@ -28,3 +28,4 @@ macro_rules! shared_structs {
         )*];
     };
 }
+pub(crate) use shared_structs;

@@ -17,8 +17,11 @@ pub mod backend;
 mod constants;
 mod features;
 mod frame_structs;
+mod light_subpaths;
 mod lights;
 mod materials;
+mod patches;
+mod probes;
 mod scene_structs;
 mod scene_uniforms;
 mod specialisation;
@@ -28,16 +31,28 @@ pub(crate) use arrays::scene_arrays;
 pub use constants::*;
 pub(crate) use features::features;
 pub use frame_structs::*;
+pub use light_subpaths::*;
 pub use lights::*;
+pub(crate) use macros::shared_structs;
 pub use materials::*;
+pub use patches::*;
+pub use probes::*;
 pub use scene_structs::*;
 pub use scene_uniforms::*;
 pub use specialisation::*;
 pub use types::*;
 
-/// Every shared struct, in the order of declaration.
+/// Every shared struct but those that one family of techniques has to itself, in the order of declaration.
 pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
-    scene_structs::STRUCTS.iter().chain(scene_uniforms::STRUCTS).chain(frame_structs::STRUCTS)
+    let rooms = [
+        scene_structs::STRUCTS,
+        scene_uniforms::STRUCTS,
+        frame_structs::STRUCTS,
+        light_subpaths::STRUCTS,
+        patches::STRUCTS,
+        probes::STRUCTS,
+    ];
+    rooms.into_iter().flatten()
 }
 
 /// `LightVertex` as `LIGHT_VERTEX`.
@@ -49,9 +64,10 @@ fn upper_case(name: &str) -> String {
     name.chars().enumerate().map(word).collect()
 }
 
-/// The text of `generated/layout.glsl`. Beside what is declared here it has `<STRUCT>_BYTES` for each shared struct: the bytes of one
-/// element of an array of it, and a buffer reference for each array of a scene.
-pub fn glsl() -> String {
+/// The text of `generated/layout.glsl`, with the structs that families of techniques have to themselves. Beside what is
+/// declared it has `<STRUCT>_BYTES` for each shared struct, the bytes of one element of an array of it, and a buffer reference for each
+/// array of a scene.
+pub fn glsl(of_techniques: &[&'static SharedStruct]) -> String {
     let mut text = String::from("// Generated from src/layout/.\n\n");
     for constant in CONSTANTS {
         text += &format!("const uint {} = {}u;\n", constant.name, constant.value);
@@ -62,7 +78,7 @@ pub fn glsl() -> String {
         let kinds: Vec<&str> = kinds;
         kinds.iter().enumerate().for_each(|(value, name)| text += &format!("const uint {name} = {value}u;\n"));
     }
-    for shared in structs() {
+    for shared in structs().chain(of_techniques.iter().copied()) {
         text += &format!("const uint {}_BYTES = {}u;\n", upper_case(shared.name), shared.size);
     }
     text.push('\n');
@@ -72,7 +88,7 @@ pub fn glsl() -> String {
             &format!("layout(constant_id = {}) const {} {} = {default};\n", constant.id, constant.kind, constant.name);
     }
     text.push('\n');
-    for shared in structs() {
+    for shared in structs().chain(of_techniques.iter().copied()) {
         text += shared.glsl;
         text.push('\n');
     }

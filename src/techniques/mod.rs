@@ -35,6 +35,7 @@ pub use stream::StateStream;
 pub(crate) use table::stages;
 pub use table::{
     Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find,
+    structs,
 };
 pub use technique::Technique;
 

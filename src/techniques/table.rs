@@ -18,6 +18,8 @@ pub mod photon;
 #[path = "radiosity/row.rs"]
 pub mod radiosity;
 
+use crate::layout::SharedStruct;
+
 /// What transport a technique accounts for; each kind is a part of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Solves {
@@ -308,6 +310,11 @@ pub const TECHNIQUES: &[TechniqueRow] = &[
     metropolis::MLT,
     radiosity::RADIOSITY,
 ];
+
+/// The structs that families of techniques share with their shaders alone.
+pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
+    [photon::structs::STRUCTS, metropolis::structs::STRUCTS, radiosity::structs::STRUCTS].into_iter().flatten()
+}
 
 /// The stage of each of some passes: a pass over pixels begins another one where the pass before it was not over pixels.
 pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {

@@ -22,12 +22,10 @@ use super::super::table::Pass;
 use super::super::table::metropolis::{MULTIPLEXED, PATHS, PRIMARY};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{
-    BIDIRECTIONAL_LENGTH, BootstrapSample, Chain, ChainTable, LightTable, NONE, PathVertex, VEC3_BYTES, VEC4_BYTES,
-    WORKGROUP, address,
-};
+use crate::layout::{BIDIRECTIONAL_LENGTH, LightTable, NONE, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address};
 use crate::scene::Scene;
 use crate::statistics::Estimate;
+use crate::techniques::table::metropolis::structs::{BootstrapSample, Chain, ChainTable, PathVertex};
 
 /// Bytes that the chains of a rendering may take where their number is not asked for.
 const CHAIN_BYTES: u64 = 256 << 20;

@@ -1,5 +1,8 @@
 //! The row of Metropolis light transport.
 
+#[path = "structs.rs"]
+pub mod structs;
+
 use super::{
     Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with,
 };

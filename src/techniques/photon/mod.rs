@@ -9,8 +9,9 @@ use super::stream::StateStream;
 use super::table::Pass;
 use crate::error::Result;
 use crate::gpu::Buffer;
-use crate::layout::{PHOTONS_OF_PATH, Photon};
+use crate::layout::PHOTONS_OF_PATH;
 use crate::scene::Scene;
+use crate::techniques::table::photon::structs::Photon;
 
 /// What photon mapping keeps.
 pub(super) struct PhotonMapping;

@@ -1,5 +1,8 @@
 //! The row of progressive photon mapping.
 
+#[path = "structs.rs"]
+pub mod structs;
+
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
 use super::{Bias, Chance, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
 

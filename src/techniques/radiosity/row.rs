@@ -1,5 +1,8 @@
 //! The row of radiosity.
 
+#[path = "structs.rs"]
+pub mod structs;
+
 use super::{Bias, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
 
 /// Measures the albedo of patches.

@@ -17,10 +17,11 @@ use super::report::PatchReport;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
-    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, PatchTable, VEC3_BYTES, WORKGROUP, address,
+    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, VEC3_BYTES, WORKGROUP, address,
 };
 use crate::scene::Scene;
 use crate::scene::compile::light::triangle_area;
+use crate::techniques::table::radiosity::structs::PatchTable;
 
 /// The most rays of a patch in a round, where their number follows that of pixels.
 const MOST_RAYS: u64 = 64;
