@@ -11,7 +11,7 @@ use lumbre::image::Image;
 use lumbre::image::metrics::squared_bias;
 
 const SIDE: u32 = 24;
-/// What a firefly brings to its pixel.
+/// The contribution of a firefly to its pixel.
 const FIREFLY: f64 = 3000.0;
 
 /// Uniform numbers (splitmix64: Steele, Lea and Flood 2014) and normal ones (Box and Muller 1958).

@@ -82,7 +82,7 @@ fn every_technique_goes_on_from_every_frame() {
     });
 }
 
-/// The same with all else that a film may hold, and the forms that keep more.
+/// Resuming with all else that a film may hold, and the forms that keep more.
 #[test]
 fn layers_forms_and_seeds_go_on_as_well() {
     let scene = canon("cornell.xml", &[("size", "16")]);

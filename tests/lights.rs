@@ -503,7 +503,7 @@ fn light_samples_follow_their_density() {
     });
 }
 
-/// Mean of what light samples bring to a surface of normal n, and its standard deviation.
+/// Mean irradiance of light samples on a surface of normal n, and its standard deviation.
 fn irradiance(bench: &Bench, point: DVec3, normal: DVec3, numbers: &[[f32; 4]]) -> (DVec3, f64) {
     let (mut sum, mut squares) = (DVec3::ZERO, 0.0);
     for answer in bench.sample(point, numbers).iter().filter(|answer| answer.visible != 0) {
@@ -533,7 +533,7 @@ fn irradiance_is_that_of_the_emitters() {
     });
 }
 
-/// Irradiance that lamps bring, in closed form.
+/// Irradiance of lamps, in closed form.
 fn lamp_irradiance(lamp: &Lamp, image: &Image, p: DVec3, n: DVec3) -> DVec3 {
     let towards = |position: DVec3| {
         let d = position - p;

@@ -114,7 +114,7 @@ fn no_order_changes_a_bit() {
     });
 }
 
-/// Light that was refracted before and after it met the torus: nothing but chance brings it to `path`, so that its image takes many
+/// Light that was refracted before and after it met the torus: `path` finds it with rare, bright samples only, so that its image takes many
 /// samples. The block of glass by itself, and the whole.
 #[test]
 fn light_through_glass_is_found() {
@@ -172,7 +172,7 @@ fn hidden_caustics_are_found_by_merging_alone() {
     });
 }
 
-/// A furnace of albedo r: paths of k segments bring r^(k-1). On a sphere the area within a distance is that on a plane, so that not
+/// A furnace of albedo r: paths of k segments contribute r^(k-1). On a sphere the area within a distance is that on a plane, so that not
 /// even the estimate's radius shows; albedos are high enough that many paths have more vertices than are kept.
 #[test]
 fn furnace() {

@@ -1,6 +1,6 @@
 //! Metropolis light transport: its image is that of `path` and `bdpt` whatever its chains are like, however many there are.
 //!
-//! What a chain brings from one sample to the next is not independent, so a film's own variance says nothing here: seeds are compared.
+//! Samples of a chain are correlated, so a film's own variance says nothing here: seeds are compared.
 
 use crate::common::room::{LAMP, room, scene};
 use crate::common::seeds::{agree, small, tiles, tiles_over};
@@ -111,7 +111,7 @@ fn brightness_states_its_error() {
             println!("{technique}: {:.5}, stated error {:.2e}, ratio {ratio:.2}", of_mean.mean, expected.sqrt());
             // Of a variance over 96 seeds, four standard deviations of its root are 0.29.
             assert!((0.71..1.29).contains(&ratio), "{technique}: {ratio}");
-            assert!(films[0].error_estimate().is_none(), "samples that hang together tell no error");
+            assert!(films[0].error_estimate().is_none(), "correlated samples tell no error");
         }
     });
 }
@@ -128,7 +128,7 @@ fn every_light() {
     agrees("all lights", &scene(&[CAMERA, &room(MATTE, MATTE), point, sun, sky, LAMP].concat()), "bdpt", 24, |_| {});
 }
 
-/// A low bound makes chains visit all paths nearly alike, and each visit count for what its path brings: what they are scaled by must be right. Under
+/// A low bound makes chains visit all paths nearly alike, and each visit count for the contribution of its path: what they are scaled by must be right. Under
 /// a lamp as large as the ceiling of a bright room, half of the light has been scattered three times; between mirrors, only paths that run into
 /// the lamp find it.
 #[test]

@@ -1,4 +1,4 @@
-//! The strategies of bidirectional path tracing: what each of them brings, and what it is weighed by.
+//! The strategies of bidirectional path tracing: the contribution of each, and its weight.
 
 use crate::common::room::{LAMP, room, scene};
 use crate::common::{backends_in_time, canon, films, settings, verify, with_gpu};
@@ -23,7 +23,7 @@ fn estimate(films: &[Film], of: impl Fn(&Film) -> f64) -> Estimate {
     Estimate::of(&films.iter().map(of).collect::<Vec<f64>>())
 }
 
-/// Each strategy by itself brings all light of its path length, where all surfaces are matte, as `path` does; all of them weighted sum to the
+/// Each strategy by itself finds all light of its path length, where all surfaces are matte, as `path` does; all of them weighted sum to the
 /// image, sample by sample, and are in the mean what the technique gives without layers. `noise` is the most that the standard deviation of a
 /// strategy may be.
 fn each_brings_all_of_its_length(what: &str, scene: &Scene, spp: u32, noise: f64, on: fn(&Gpu) -> Vec<Backend>) {

@@ -41,9 +41,9 @@ shared_structs! {
         uv: vec2,
         /// Power that arrives there, W, over the density of the path.
         power: vec3,
-        /// Partial sums of multiple importance sampling, see `shaders/techniques/bidirectional/mis.glsl`.
+        /// Recursive MIS quantity d_vcm (Georgiev 2012, eqs. 31 and 34), see docs/mis.md.
         d_vcm: float,
-        /// The same.
+        /// Recursive MIS quantity d_vc (eqs. 32 and 35).
         d_vc: float,
         /// Random dimension with which its material was chosen.
         dimension: uint,

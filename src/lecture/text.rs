@@ -3,7 +3,7 @@
 /// The languages of the page, as `lang` attributes have them.
 pub const LANGUAGES: [&str; 2] = ["en", "es"];
 
-/// The same in English and in Spanish: HTML, but for the texts of pictures, which are plain.
+/// A text in English and in Spanish: HTML, but for the texts of pictures, which are plain.
 #[derive(Clone, Debug)]
 pub struct Text {
     /// English.

@@ -212,7 +212,7 @@ pub(super) fn sphere_radius(scene: &Scene) -> f32 {
     scene.radius() * SPHERE_MARGIN
 }
 
-/// Units of a splat in the radiance of a scene that is lit evenly: far below what any path brings, and sums stay far below 2^63.
+/// Units of a splat in the radiance of a scene that is lit evenly: far below the contribution of any path, and sums stay far below 2^63.
 const SPLAT_UNITS: f64 = (1u64 << 33) as f64;
 /// The most that an emitter's radiance is above that, for the purpose of the unit: with it a sum has room for 2^14 of it.
 const BRIGHTEST: f64 = 65536.0;

@@ -25,7 +25,7 @@ pub struct Film {
     /// Sums by strategy, where they were asked for.
     pub strategies: Vec<StrategyLayers>,
     /// What all of it is scaled by, the mean over the image of the target of Markov chains, where the technique has some. Then its samples
-    /// hang together, and their variance does not tell the error.
+    /// are correlated, and their variance does not tell the error.
     pub brightness: Option<Estimate>,
     /// Samples that were not finite and were dropped.
     pub nonfinite: u64,
@@ -33,7 +33,7 @@ pub struct Film {
     pub bad_samples: Vec<BadSample>,
 }
 
-/// What one strategy of bidirectional path tracing brings.
+/// The contribution of one strategy of bidirectional path tracing.
 #[derive(Clone, Debug)]
 pub struct StrategyLayers {
     /// The strategy.
@@ -132,7 +132,7 @@ impl Film {
         })
     }
 
-    /// What paths of `layer + 1` segments bring; the last layer holds all longer ones too.
+    /// The contribution of paths of `layer + 1` segments; the last layer holds all longer ones too.
     pub fn length(&self, layer: usize) -> Image {
         self.image_of(&self.lengths[layer])
     }

@@ -72,7 +72,7 @@ impl FramePlan {
         }
     }
 
-    /// The same plan at its beginning; what it knows of the speed stays.
+    /// The plan at its beginning; what it knows of the speed stays.
     pub fn restarted(&self) -> Self {
         Self { done: 0, stage: 0, cursor: 0, pass: 0, ..self.clone() }
     }

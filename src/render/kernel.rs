@@ -37,7 +37,7 @@ impl Kernel {
         Ok(Self { pipeline, bindings, scene: device_scene, made_of })
     }
 
-    /// The same for several modules, in their order: as many at once as there are cores, for a driver works on each with one.
+    /// Makes pipelines of several modules, in their order: as many at once as there are cores, for a driver works on each with one.
     pub fn several(
         gpu: &Gpu,
         scene: &Scene,

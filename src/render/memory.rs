@@ -50,7 +50,7 @@ pub struct Prediction {
     pub total: u64,
     /// The most bytes that are held at any time, also while acceleration structures are built and compacted.
     pub peak: u64,
-    /// The same where nothing is compacted, which there need not be room for.
+    /// The most bytes at any time where nothing is compacted, which there need not be room for.
     #[serde(skip)]
     required: u64,
 }
@@ -67,7 +67,7 @@ impl Prediction {
         Self::with_scene(table, scene, settings, gpu)
     }
 
-    /// The same without the film, for kernels that have none.
+    /// The scene alone, for kernels without a film.
     pub(super) fn of_scene(scene: &Scene, settings: &Settings, gpu: &Gpu) -> Result<Self> {
         Self::with_scene(Table::default(), scene, settings, Some(gpu))
     }
@@ -165,7 +165,7 @@ pub(super) fn advise(gpu: &Gpu, scene: &Scene, settings: &Settings, error: Error
     Error::OutOfMemory { what, needs, in_use, limit }
 }
 
-/// The same for a kernel that has no film.
+/// Fails where the device has no room for a scene, for kernels without a film.
 pub(super) fn check_scene(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<()> {
     check_instances(gpu, scene, settings)?;
     match Prediction::of_scene(scene, settings, gpu)?.refusal(gpu) {

@@ -94,7 +94,7 @@ impl Renderer {
         Self::watched(gpu, scene, settings, &|_| {})
     }
 
-    /// The same; `watch` is told how far it is.
+    /// Uploads the scene and makes the kernels; `watch` is told how far it is.
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         settings.check(gpu, scene)?;
         memory::check(gpu, scene, settings)?;

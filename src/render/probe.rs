@@ -78,7 +78,7 @@ impl Probe {
         self.run_with(input, address(table.address()))
     }
 
-    /// The same on buffers that are already there.
+    /// Runs one thread per element of buffers that are already there.
     pub fn run_on(&self, from: &Buffer, to: &Buffer, count: u32) -> Result<Work> {
         self.dispatch(self.constants(from, to, count), count)
     }

@@ -28,7 +28,7 @@ pub(super) fn compiled(seconds: f64) {
     SPENT.set(Spent { compile: spent.compile + seconds, ..spent });
 }
 
-/// Adds seconds of rendering, and the samples that they brought.
+/// Adds seconds of rendering, and the samples that were taken.
 pub(super) fn rendered(seconds: f64, samples: u64) {
     let spent = SPENT.get();
     SPENT.set(Spent { render: spent.render + seconds, samples: spent.samples + samples, ..spent });

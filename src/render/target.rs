@@ -26,7 +26,7 @@ impl ErrorTarget {
         Self { relmse, next: FIRST }
     }
 
-    /// The same, which looks next at so many samples per pixel: where it stopped before.
+    /// Looks next at so many samples per pixel: where it stopped before.
     pub fn at(self, next: u32) -> Self {
         Self { next, ..self }
     }

@@ -1,4 +1,4 @@
-//! Planes of splats: where samples of one frame add up what they bring to pixels other than their own.
+//! Planes of splats: where samples of one frame add up their contributions to pixels other than their own.
 
 use super::settings::Settings;
 use super::state::{FrameLimits, StateBytes};

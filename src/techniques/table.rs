@@ -25,7 +25,7 @@ use crate::layout::SharedStruct;
 pub enum Solves {
     /// Emission and light that was scattered once: paths of one and two segments.
     Direct,
-    /// The same as the camera sees it by way of any number of mirrors and smooth glass.
+    /// Direct light as the camera sees it by way of any number of mirrors and smooth glass.
     Mirrored,
     /// All of it between surfaces that are taken for diffuse.
     Diffuse,
@@ -65,7 +65,7 @@ pub enum Missing {
     DeltaCaustics,
     /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
     HiddenDeltaCaustics,
-    /// What no path from a light can be shown to the camera from.
+    /// What no vertex of a light subpath can be connected to the camera for.
     Unshowable,
 }
 

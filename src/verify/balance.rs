@@ -1,7 +1,7 @@
 //! What decides on mutations of paths, through `shaders/kernels/test/mutations.glsl`, against the densities by their definition.
 //!
-//! A mutation from path x to path y is to be accepted with probability f(y) T(y to x) / (f(x) T(x to y)) (Hastings 1970), where f is what a path
-//! brings and T the density with which it is proposed, both per area at all vertices that scatter by no delta lobe. Here they are
+//! A mutation from path x to path y is to be accepted with probability f(y) T(y to x) / (f(x) T(x to y)) (Hastings 1970), where f is the
+//! contribution of a path and T the density with which it is proposed, both per area at all vertices that scatter by no delta lobe. Here they are
 //! multiplied out in double precision.
 
 use super::Run;
@@ -88,7 +88,7 @@ fn defined(answer: &Answer, shares: &[f64]) -> (f64, f64) {
     let (y, flattest_y) = Defined::of(&answer.to, segments, PINHOLE);
     let there = y.proposed(kind, first, last, from_segments, shares);
     let back = x.proposed(kind, first, last + from_segments - segments, segments, shares);
-    (y.brings() * back / (x.brings() * there), flattest_x.min(flattest_y))
+    (y.contribution() * back / (x.contribution() * there), flattest_x.min(flattest_y))
 }
 
 /// Each mutation's ratio against its definition.

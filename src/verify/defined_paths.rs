@@ -233,7 +233,7 @@ impl Defined {
     }
 
     /// The contribution of the path, per area at its vertices: the mean over pixels of a sensor that answers by one.
-    pub fn brings(&self) -> f64 {
+    pub fn contribution(&self) -> f64 {
         let links: f64 = self.links.iter().map(|link| link.solid_angles[0] * link.scale).product();
         self.camera_density() * links * self.scattering.iter().map(|vertex| vertex.passes).product::<f64>()
     }

@@ -154,7 +154,7 @@ struct Found {
 /// Brought by a strategy, this is a million of the film's units in this room, whose lamp has a radiance of 1.
 const LEAST: f64 = 1e-4;
 
-/// What the light's paths show to pixels or bring to them through the lens, by strategy and pixel: the path, where there is only one.
+/// The contribution of light subpaths to pixels, by connections to the camera or through the lens, by strategy and pixel: the path, where there is only one.
 fn shown(answers: &[Answer]) -> HashMap<(u32, u32, u32), Vec<Vertices>> {
     let mut all: HashMap<_, Vec<Vertices>> = HashMap::new();
     for answer in answers {

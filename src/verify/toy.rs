@@ -1,5 +1,5 @@
-//! Markov chains on a target that is known: a mosaic of lamps that fills the image, where paths have one segment and bring what the
-//! lamp there emits. Chains are at places in proportion to that, each counted by as much as its target is held back (`bound` of `mlt`).
+//! Markov chains on a target that is known: a mosaic of lamps that fills the image, where paths have one segment and contribute what
+//! the lamp there emits. Chains are at places in proportion to that, each weighted by the compression of its target (`bound` of `mlt`).
 
 use glam::DVec3;
 

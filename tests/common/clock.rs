@@ -20,7 +20,7 @@ pub fn start() {
     CLOCK.with(|_| ());
 }
 
-/// The same where a test starts another process, which does its work there.
+/// Starts the clock where a test starts another process, which does its work there.
 pub fn start_child() {
     CLOCK.with(|clock| clock.children.set(clock.children.get() + 1));
 }

@@ -21,7 +21,7 @@ pub fn random(gpu: &Gpu, queries: &[RandomQuery]) -> Vec<Mapped> {
     random_from(gpu, Sampler::Independent, queries)
 }
 
-/// The same from a sampler.
+/// Random numbers at the queries' coordinates, from a sampler.
 pub fn random_from(gpu: &Gpu, sampler: Sampler, queries: &[RandomQuery]) -> Vec<Mapped> {
     let scene = with_materials(&[material::diffuse([0.5; 3]).into()]);
     let settings = Settings { sampler, ..settings(&scene, "path", Backend::Bvh) };

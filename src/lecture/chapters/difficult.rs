@@ -20,7 +20,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
         "E { ( S | D ) } ^ ∗ L",
         text(
             "Heckbert 1990: a path from the eye E over specular (S) and diffuse (D) surfaces to the light L. A caustic is E D S L; seen in a mirror, \
-             E S D S L. Next-event estimation needs a D just before L; a light path that is shown to the camera needs a D just after E.",
+             E S D S L. Next-event estimation needs a D just before L; a light subpath that is connected to the camera needs a D just after E.",
             "Heckbert 1990: un camino del ojo E a la luz L por superficies especulares (S) y difusas (D). Una cáustica es E D S L; vista en un espejo, \
              E S D S L. La estimación del siguiente evento necesita una D justo antes de L; un camino de luz que se muestra a la cámara, una D justo \
              después de E.",

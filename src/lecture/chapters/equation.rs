@@ -29,7 +29,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.equation(
         "I ≈ { 1 } over { N } ∑ _ { i = 1 } ^ N { f ( X _ i ) } over { p ( X _ i ) } , σ ∝ { 1 } over { N ^ { 1 / 2 } }",
         text(
-            "The Monte Carlo estimate of a pixel: the mean over N random paths of what each brings over the density with which it was \
+            "The Monte Carlo estimate of a pixel: the mean over N random paths of the contribution of each over the density with which it was \
              chosen. Its expectation is right at any N. Its error falls with the root of N, its squared error with N.",
             "El estimador de Monte Carlo de un píxel: la media, sobre N caminos al azar, de lo que cada uno aporta entre la densidad con \
              que se eligió. Su esperanza es correcta con cualquier N. Su error baja con la raíz de N, y el error al cuadrado, con N.",

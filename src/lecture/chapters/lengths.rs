@@ -1,4 +1,4 @@
-//! What paths of each length bring.
+//! The contribution of paths of each length.
 
 use super::prelude::*;
 use super::scenes::CORNELL;
@@ -96,7 +96,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     let off = figure(view::largest_difference(&sum, &run.image));
     sheet.see(text(
         format!(
-            "Each bounce brings a like share of the one before it, for that much is what the walls reflect; and each is flatter, redder and greener \
+            "Each bounce adds a like share of the one before it, for that much is what the walls reflect; and each is flatter, redder and greener \
              than the one before. The sum of the layers is the image: the largest difference of any channel is {off}. Against a reference \
              without a limit, ending at {LONGEST} segments gives a mean that is off by {missing}."
         ),

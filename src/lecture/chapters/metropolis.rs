@@ -29,7 +29,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.equation(
         "a ( X → Y ) = min ( 1 , { f ( Y ) T ( Y → X ) } over { f ( X ) T ( X → Y ) } )",
         text(
-            "Veach and Guibas 1997; in primary sample space Kelemen et al. 2002, multiplexed Hachisuka et al. 2014. A proposal Y that brings more light than X \
+            "Veach and Guibas 1997; in primary sample space Kelemen et al. 2002, multiplexed Hachisuka et al. 2014. A proposal Y that contributes more light than X \
              is always taken, another one with the probability a: paths are visited in proportion to the light f that they carry.",
             "Veach y Guibas 1997; en el espacio primario de muestras, Kelemen et al. 2002; multiplexado, Hachisuka et al. 2014. Una propuesta Y que aporta más luz que X \
              se acepta siempre; otra, con probabilidad a: los caminos se visitan en proporción a la luz f que llevan.",
@@ -40,7 +40,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     }
     sheet.see(text(
         "Metropolis has few white specks: a rare bright path is explored instead of counted once with a large weight, unless it is so much brighter than others that \
-         it would hold its chain for longer than the picture takes. It pays with errors that hang together: \
+         it would hold its chain for longer than the picture takes. It pays with errors that are correlated: \
          blotches where a chain stayed, and regions that it has visited too seldom. In the primary space the sun is met by chance alone, \
          as by a path tracer: a chain that did stays, and leaves a bright spot of the caustic instead of all of it. Bidirectional path tracing has its noise from pixel to pixel.",
         "Metropolis deja pocas motas blancas: un camino raro y brillante se explora en lugar de contarse una vez con un peso enorme, salvo si brilla tanto más que \

@@ -31,7 +31,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
         "E [ L ′ ] = ( 1 − q ) · { L } over { 1 − q } + q · 0 = L",
         text(
             format!(
-                "Russian roulette: with probability q the path ends and brings nothing more, otherwise what follows counts {} times. The \
+                "Russian roulette: with probability q the path ends and contributes nothing more, otherwise what follows counts {} times. The \
                  expectation stays, only the variance grows. Cutting at a fixed depth changes the expectation.",
                 inline("1 / ( 1 − q )")
             ),

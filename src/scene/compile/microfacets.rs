@@ -19,7 +19,7 @@ pub struct Microfacets {
 }
 
 impl Microfacets {
-    /// The same roughness along both tangents, masked from both sides independently.
+    /// Equal roughness along both tangents, masked from both sides independently.
     pub fn isotropic(alpha: f64, beckmann: bool) -> Self {
         Self { alpha: [alpha; 2], beckmann, correlated: false }
     }

@@ -125,7 +125,7 @@ fn light_bytes(count: u64) -> u64 {
     count * u64::from(VEC3_BYTES)
 }
 
-/// Bytes of what rays bring: three sums, and three integers for each patch and layer.
+/// Bytes of the power that arrives: three sums, and three integers for each patch and layer.
 fn arriving_bytes(settings: &Settings, patches: u64) -> u64 {
     if shoots(settings) { u64::from(FIXED_RGB_BYTES) * (1 + patches * u64::from(layers(settings).0)) } else { 0 }
 }
@@ -297,7 +297,7 @@ impl Radiosity {
         }
     }
 
-    /// Measures what the round has brought: the light that goes on from there.
+    /// Measures what the round has passed on: the light that goes on from there.
     fn end_preparing_round(&mut self) -> Result<()> {
         let count = self.mesh.patches.len();
         let both: Vec<[f32; 3]> = self.newest.read(2 * count)?;

@@ -31,7 +31,7 @@ shared_structs! {
         newest: uvec2,
         /// Device address of the irradiance of each vertex, in layers.
         vertices: uvec2,
-        /// Device address of the power that rays bring to patches, for `solver=shoot`: three sums over all patches of what they send
+        /// Device address of the power that rays carry to patches, for `solver=shoot`: three sums over all patches of what they send
         /// out (two that take turns, then that of the rounds that prepare), and three integers for each layer and patch.
         arriving: uvec2,
         /// Device address of how many of a patch's rays met what: for each patch `columns` counts.
