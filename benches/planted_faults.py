@@ -152,7 +152,7 @@ FAULTS = [
           "mutations are accepted by the root of the ratio", [ROWS, "metropolis::every_length"],
           VERIFY + "accepted by the root of the ratio"),
     Fault("mlt-bound", "shaders/techniques/metropolis/chains.glsl",
-          "ratio *= compression(c.brings) / compression(proposed);", "",
+          "ratio *= compression(c.contribution) / compression(proposed);", "",
           "the bound of the target left out of the ratio", [ROWS],
           VERIFY + "the bound of the target left out of the ratio"),
     Fault("mlt-brightness-error", "src/techniques/metropolis/chains.rs",
