@@ -37,6 +37,17 @@ fn the_table_of_cases_is_the_one_that_verify_writes() {
     );
 }
 
+/// README.md names every technique, and stays short: what it loses belongs into `docs/`.
+#[test]
+fn the_readme_is_short_and_names_every_technique() {
+    let readme = read(&root().join("README.md"));
+    for row in lumbre::techniques::TECHNIQUES {
+        assert!(readme.contains(&format!("\n| `{}` | ", row.name)), "README.md has no row of {}", row.name);
+    }
+    let words = readme.split_whitespace().count();
+    assert!(words <= 900, "README.md has {words} words: 900 at most");
+}
+
 /// README.md, CONTRIBUTING.md and the pages of `docs/`.
 fn pages() -> Vec<PathBuf> {
     let here = ["README.md", "CONTRIBUTING.md"].map(|name| root().join(name));
