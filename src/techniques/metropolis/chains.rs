@@ -421,7 +421,7 @@ impl Chains {
         &self.shares
     }
 
-    /// The bound K of the target of chains, in the unit of [`Chain::contribution`]; infinite before there are any chains.
+    /// The bound K of the target of chains, in the unit of a chain's contribution; infinite before there are any chains.
     pub fn bound(&self) -> f64 {
         self.bound
     }
