@@ -276,3 +276,16 @@ fn every_material_and_light() {
         }
     });
 }
+
+/// A smooth coat over a diffuse base: where the base is merged, the coat's mirror image is still to be followed.
+#[test]
+fn a_coat_is_followed() {
+    let coated = "<bsdf type='plastic'><rgb name='diffuse_reflectance' value='0.1, 0.1, 0.1'/></bsdf>";
+    let scene = scene(&[CAMERA, &room(coated, coated), LAMP].concat());
+    with_gpu(|gpu| {
+        let truth = film(gpu, &scene, "path", 1000, 1024);
+        for technique in ["vcm:form=ppm", "photon"] {
+            assert_off(technique, &film(gpu, &scene, technique, 1, 256), &truth, 0.02);
+        }
+    });
+}

@@ -6,6 +6,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FilmPixels {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Layers { vec3 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Tallies { Tally tally; BadSample bad[BAD_SAMPLES]; uint rays[RAY_COUNTERS]; };
 
+// Contributions as integers in units of scene.splat_unit: beyond this many units one counts as not finite. A sum of 64 of them fits into 64 bits.
+const float LARGEST_FIXED = 1.44e17; // 2^57
+
 // What one sample has gathered so far.
 struct Estimate {
     vec3 radiance;

@@ -5,7 +5,7 @@
 // A point's position; false where nothing was kept.
 bool grid_point(uint index, uint record_bytes, out vec3 position) {
     uint path = index / light_table.light_vertices, place = index % light_table.light_vertices;
-    uint64_t first = pack64(light_table.light_paths) + uint64_t(path) * (4ul + uint64_t(record_bytes) * uint64_t(light_table.light_vertices));
+    uint64_t first = pack64(light_path_address(uint64_t(path), record_bytes));
     position = vec3(0.0);
     if (place >= GridPlaces(unpack32(first)).at[0]) return false;
     position = Vectors(unpack32(first + 4ul + uint64_t(record_bytes) * uint64_t(place))).at[0];

@@ -6,9 +6,6 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
 
-// Beyond this many units a splat counts as not finite: a sum of 64 of them fits into 64 bits.
-const float LARGEST_SPLAT = 1.44e17; // 2^57
-
 uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
 
 Splat splat_of(uint pixel, uint sample_index, uint layer) {
@@ -20,7 +17,7 @@ Splat splat_of(uint pixel, uint sample_index, uint layer) {
 // Adds the contribution of a path of `length` segments to a pixel in this sample.
 void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     vec3 units = value / scene.splat_unit;
-    if (!all(lessThan(abs(units), vec3(LARGEST_SPLAT)))) {
+    if (!all(lessThan(abs(units), vec3(LARGEST_FIXED)))) {
         report_bad_sample(pixel, sample_index);
         return;
     }
@@ -38,6 +35,12 @@ void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, f
     if (CAMERA == CAMERA_THIN_LENS) layer += 2u * (max(k, 2u) - 2u); // t = 0 has one more for each length from 2
     splat(pixel, sample_index, layer + 1u, value);
     splat(pixel, sample_index, layer + 2u, value * weight);
+}
+
+// Adds the contribution of (s, t) with its weight: to its path length, or where strategies are told apart, to that strategy.
+void splat_weighted(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
+    if (HAS_STRATEGIES) splat_strategy(pixel, sample_index, s, t, value, weight);
+    else splat(pixel, sample_index, s + t - 1u, value * weight);
 }
 
 // Adds the estimate of a path from the camera to its own pixel.

@@ -3,6 +3,7 @@
 #include "core/basis.glsl"
 #include "core/sampling.glsl"
 #include "core/texture.glsl"
+#include "materials/opacity.glsl"
 
 struct LightSample {
     vec3 wi;      // unit direction from the reference point to the light

@@ -118,12 +118,16 @@ vec2 bsdf_pdf_both(Bsdf b, vec3 wo, vec3 wi) {
     return pdf;
 }
 
-// Gives a sample that was left open its density, which is known, and its weight.
-void bsdf_close(Bsdf b, vec3 wo, float pdf_w, inout BsdfSample s) {
-    if (!HAS_OPEN_SAMPLES || !s.open) return;
+// Gives a sample that was left open its weight and density, once f |cos| and that are evaluated.
+void bsdf_closed(inout BsdfSample s, vec3 f, float pdf_w) {
     s.pdf_w = pdf_w;
-    s.weight = pdf_w > 0.0 ? bsdf_eval(b, wo, s.wi) / pdf_w : vec3(0.0);
+    s.weight = pdf_w > 0.0 ? f / pdf_w : vec3(0.0);
     s.open = false;
+}
+
+// Evaluates a sample that was left open, whose density is known.
+void bsdf_close(Bsdf b, vec3 wo, float pdf_w, inout BsdfSample s) {
+    if (HAS_OPEN_SAMPLES && s.open) bsdf_closed(s, bsdf_eval(b, wo, s.wi), pdf_w);
 }
 
 // A direction for the given uniform numbers; weight and density include the choice of the lobe.

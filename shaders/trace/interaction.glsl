@@ -1,4 +1,5 @@
 // What lies where a ray met a surface, and how far a ray that starts there must move off the surface.
+#include "trace/trace.glsl"
 #include "trace/triangle_plane.glsl"
 #include "core/texture.glsl"
 

@@ -57,8 +57,7 @@ void camera_splat(CameraConnection c, uint sample_index, uint s, inout uint rays
     uint pixel = c.contribution != vec3(0.0) ? splat_pixel(c.position, c.u, c.contribution) : NONE;
     if (pixel == NONE) return;
     c.contribution *= ray_transmittance(c.ray, c.absorption, rays);
-    if (HAS_STRATEGIES) splat_strategy(pixel, sample_index, s, 1u, c.contribution, c.weight);
-    else splat(pixel, sample_index, s, c.contribution * c.weight);
+    splat_weighted(pixel, sample_index, s, 1u, c.contribution, c.weight);
 }
 
 // Splats the connections of the subpath's beginning and of the vertex that it has arrived at, in turns: the kernel traces such rays in one

@@ -2,9 +2,6 @@
 // sum does not matter.
 #include "core/film.glsl"
 
-// Beyond this many units a contribution counts as not finite: a sum of 64 of them fits into 64 bits.
-const float LARGEST_DENSITY = 1.44e17; // 2^57
-
 struct DensitySums {
     i64vec3 sums[LENGTH_LAYERS + 1u]; // by path length, or all in the first
     bool finite;
@@ -17,7 +14,7 @@ void density_clear(out DensitySums g) {
 
 // Adds the contribution of a path of `length` segments, in units.
 void density_add(inout DensitySums g, uint length, vec3 units) {
-    if (all(lessThan(abs(units), vec3(LARGEST_DENSITY)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(round(units));
+    if (all(lessThan(abs(units), vec3(LARGEST_FIXED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(round(units));
     else g.finite = false;
 }
 

@@ -16,8 +16,8 @@ Ray shadow_ray(Interaction at, LightSample light) {
     return light.distant ? Ray(origin, light.wi, INFINITY) : ray_between(origin, light.target);
 }
 
-// Contribution of a connection to the light sample along f |cos|, were nothing in between; `carried` is the throughput of the path.
-vec3 nee_contribution(vec3 carried, vec3 f, LightSample light) { return carried * f * light.weight; }
+// Contribution of a connection to the light sample along f |cos|, unweighted and unoccluded; `carried` is the throughput of the path.
+vec3 nee_unoccluded(vec3 carried, vec3 f, LightSample light) { return carried * f * light.weight; }
 
 // Connects the vertex to the light sample. A sample of the BSDF that was left open is closed on the way: both directions are evaluated
 // by the same code, in turns, so that the kernel holds the BSDF once.
@@ -31,9 +31,7 @@ NextEvent nee_connect(Path path, Vertex v, Bsdf b, LightSample light, inout Bsdf
         vec3 f = bsdf_eval(b, v.wo, w);
         float pdf_w = bsdf_pdf(b, v.wo, w);
         if (onwards) {
-            s.weight = pdf_w > 0.0 ? f / pdf_w : vec3(0.0);
-            s.pdf_w = pdf_w;
-            s.open = false;
+            bsdf_closed(s, f, pdf_w);
         } else {
             n.f = f;
             n.pdf_w = pdf_w;
@@ -54,9 +52,9 @@ NextEvent nee_sample(Path path, Vertex v, Bsdf b, vec4 u, inout BsdfSample s) {
 // MIS weight of the light sample against the BSDF's choice of its direction (power heuristic; Veach 1997, section 9.2.3).
 float nee_weight(NextEvent n) { return n.light.delta ? 1.0 : power_heuristic(n.light.pdf_w, n.pdf_w); }
 
-// The weighted contribution, as far as it comes through: traces the shadow ray unless there is nothing to lose.
-vec3 nee_visible(Path path, Vertex v, Bsdf b, NextEvent n, vec3 carried, float weight, inout uint rays) {
-    vec3 contribution = nee_contribution(carried, n.f, n.light) * weight;
+// The weighted contribution with its visibility: traces the shadow ray unless there is nothing to lose.
+vec3 nee_contribution(Path path, Vertex v, Bsdf b, NextEvent n, vec3 carried, float weight, inout uint rays) {
+    vec3 contribution = nee_unoccluded(carried, n.f, n.light) * weight;
     if (contribution == vec3(0.0)) return contribution;
     return contribution * ray_transmittance(shadow_ray(v.at, n.light), vertex_absorption(v, b, path.absorption, n.wi), rays);
 }

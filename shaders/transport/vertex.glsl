@@ -83,7 +83,7 @@ vec3 vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
 
 // Takes the weight of a sample that is not sound.
 void vertex_check(Vertex v, Ray ray, inout BsdfSample s) {
-    if (v.mapped && !(vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, s.wi, vertex_to_world(v, s.wi)))) s.weight = vec3(0.0);
+    if (!vertex_scatters(v, ray, s.wi, vertex_to_world(v, s.wi))) s.weight = vec3(0.0);
 }
 
 BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {

@@ -1,14 +1,9 @@
 // What surfaces let pass: masks stop a share of the light, whatever they are made of, and let the rest go straight on. A path
 // meets such a surface or misses it by chance; a light sample is weighted by what all surfaces on its way let through.
 #include "core/rng.glsl"
+#include "materials/opacity.glsl"
+#include "trace/trace.glsl"
 #include "trace/interaction.glsl"
-
-// Share of the light that the surface stops.
-float surface_opacity(Surface surface, vec2 uv) {
-    if (!HAS_TEXTURED_MASKS || surface.opacity_texture == NONE) return surface.opacity;
-    float opacity = clamp(surface.opacity * texture_scalar(surface.opacity_texture, uv), 0.0, 1.0);
-    return surface.opacity_cutoff > 0.0 ? (opacity < surface.opacity_cutoff ? 0.0 : 1.0) : opacity;
-}
 
 // The nearest hit that does not let the path pass, and what lies there; moves the ray on behind those that do. One call of each function,
 // as a driver compiles each of them anew.

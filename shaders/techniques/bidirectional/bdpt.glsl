@@ -3,7 +3,7 @@
 // and t of the second. s = 0 is implicit and s = 1 explicit path tracing, t = 1 is light tracing; all are combined by
 // multiple importance sampling. t = 0 is there for a lens: nothing runs into a pinhole. Unbiased.
 //
-// To be read in this order, all in this folder:
+// To be read in this order, all in this folder; the stages that they go through are in transport/ (path, nee, light_subpath, camera_connection):
 //     light_pass.glsl   follows the light subpaths, connects their vertices to the camera (t = 1) and keeps them
 //     camera_pass.glsl  follows the camera subpaths and connects their vertices to those (and, for `vcm`, merges)
 //     connect.glsl      one connection or one emission found: its contribution and its weight

@@ -1,29 +1,21 @@
 // The pass `camera` of bidirectional techniques: follows camera subpaths, and connects and merges each with the light subpaths that were kept.
 #include "techniques/bidirectional/connect.glsl"
-#include "transport/lanes.glsl"
+#include "transport/camera_lanes.glsl"
 #include "transport/density_sums.glsl"
 #include "core/grid.glsl"
 
 struct Lane {
-    Pixel pixel;
-    Path path;
+    CameraLane camera;
     SubpathMis mis;
-    Estimate e;
 };
 
-bool open(out Lane lane) {
-    lane.pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
-    lane.e.rays = 0u;
-    return lane.pixel.inside;
-}
-
-bool has_next(Lane lane) { return pixel_has_sample(lane.pixel); }
+bool open(out Lane lane) { return camera_open(lane.camera); }
+bool has_next(Lane lane) { return camera_has_next(lane.camera); }
 
 bool begin(inout Lane lane) {
-    Sampler random;
-    Ray ray = sample_open(lane.pixel, lane.e, random);
-    lane.path = path_from_camera(ray, random);
-    lane.mis = mis_begin_camera(camera_importance(ray.direction), lens_choice(), lens_cosine(ray.direction));
+    camera_begin(lane.camera);
+    vec3 direction = lane.camera.path.ray.direction;
+    lane.mis = mis_begin_camera(camera_importance(direction), lens_choice(), lens_cosine(direction));
     return true;
 }
 
@@ -38,7 +30,7 @@ void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, boo
     end.random = light_path_random(index, pixel.sample_index);
     LightPath others = light_path_of(index, pixel.sample_index);
     if (both_sides) count = others.count;
-    float total = 0.0, share = 0.0;
+    float total = 0.0, chosen_weighted = 0.0; // weighted contributions
     uint s = 0u;
     Connection to_light, chosen;
     for (uint turn = 0u; turn <= count; turn++) {
@@ -63,7 +55,7 @@ void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, boo
         float probability = weighted / total;
         if (u < probability) {
             chosen = c;
-            share = weighted;
+            chosen_weighted = weighted;
             s = from_light;
             u /= probability;
         } else {
@@ -75,8 +67,8 @@ void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, boo
         bool light = turn == 0u;
         Connection c = to_light;
         if (!light) c = chosen;
-        if (light ? c.contribution == vec3(0.0) : share == 0.0) continue;
-        if (!light) c.weight *= total / share;
+        if (light ? c.contribution == vec3(0.0) : chosen_weighted == 0.0) continue;
+        if (!light) c.weight *= total / chosen_weighted;
         add_connection(pixel, e, light ? 1u : s, t, c);
     }
 }
@@ -138,21 +130,22 @@ bool follow(Pixel pixel, inout Path path, inout SubpathMis m, inout Estimate e) 
     if (!bsdf_is_delta(b)) {
         if (CONNECTS) add_connections(pixel, path, v, b, m, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
         if (MERGES && both_sides) add_merges(path, v, b, m, e);
-        if (MERGES_FIRST) return false;
     }
 
     BsdfSample s = mis_sample(m, v, b, path.ray, bsdf_u.xyz);
+    if (MERGES_FIRST && !s.delta) return false; // lobes that are not delta have been merged
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }
 
-bool extend(inout Lane lane) { return follow(lane.pixel, lane.path, lane.mis, lane.e); }
+bool extend(inout Lane lane) { return follow(lane.camera.pixel, lane.camera.path, lane.mis, lane.camera.e); }
 
+// What the subpath has gathered is splatted as well, so that the pass `resolve` finds all of a sample.
 void end(inout Lane lane) {
-    splat_sample(lane.pixel, lane.e);
-    lane.pixel.sample_index += 1u;
+    splat_sample(lane.camera.pixel, lane.camera.e);
+    lane.camera.pixel.sample_index += 1u;
 }
 
-void close(Lane lane) { count_rays(lane.e.rays); }
+void close(Lane lane) { count_rays(lane.camera.e.rays); }
 
 LANES(Lane, open, has_next, begin, extend, end, close)

@@ -6,8 +6,8 @@
 #include "transport/light_vertices.glsl"
 #include "transport/nee.glsl"
 
-// That of subpath `index` of a sample. For a grid all subpaths of a sample lie there; else those of the frame, whose pixels are numbered
-// like their subpaths.
+// The vertices of light subpath `index` of a sample. For a grid all subpaths of a sample are kept; else those of the frame's lanes alone, whose
+// pixels have the numbers of their subpaths.
 LightPath light_path_of(uint index, uint sample_index) {
     if (light_table.grid_cell_count > 0u) return light_path_at(uint64_t(index));
     return light_path_at(uint64_t(gl_GlobalInvocationID.x) * uint64_t(frame.sample_count) + uint64_t(sample_index - frame.first_sample));
@@ -87,7 +87,7 @@ Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, E
     vec3 local = vertex_to_local(v, towards), other = vec3(0.0);
     vec3 f = vertex_eval(v, b, path.ray, local, towards);
     if (end.light) {
-        c.contribution = nee_contribution(path.throughput, f, light);
+        c.contribution = nee_unoccluded(path.throughput, f, light);
     } else {
         other = vertex_to_local(w, -towards);
         c.contribution = end.y.power * f * light_vertex_eval(w, far, arrived, other, -towards) / distance2;

@@ -35,9 +35,7 @@ void splat_lens(Pixel pixel, Path path, vec3 power, Ray ray, float end, SubpathM
     vec4 u = next4(path.random);
     uint seen_by = splat_pixel(position, u.xy, contribution);
     if (seen_by == NONE) return;
-    float weight = mis_lens_weight(m, importance, lens_choice());
-    if (HAS_STRATEGIES) splat_strategy(seen_by, pixel.sample_index, path.depth + 2u, 0u, contribution, weight);
-    else splat(seen_by, pixel.sample_index, path.depth + 1u, contribution * weight);
+    splat_weighted(seen_by, pixel.sample_index, path.depth + 2u, 0u, contribution, mis_lens_weight(m, importance, lens_choice()));
 }
 
 // Follows the subpath to its next vertex, connects that to the camera, keeps it, and chooses the ray after it; false where it ends.
@@ -94,7 +92,7 @@ bool extend(inout Lane lane) {
 }
 
 void end(inout Lane lane) {
-    light_path_close(lane.kept, lane.met);
+    LIGHT_PATH_CLOSE(lane.kept, lane.met)
     light_end(lane.light);
 }
 

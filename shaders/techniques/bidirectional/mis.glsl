@@ -34,7 +34,7 @@ uint longest() { return MERGES_FIRST ? MAX_DEPTH : min(MAX_DEPTH, BIDIRECTIONAL_
 // The recursive quantities at a vertex of a subpath: sums over the strategies that have fewer vertices on its side, as ratios to a
 // connection that ends there. Where connections and merges both take part, Georgiev's third one is d_vm = d_vc / eta_vcm.
 struct SubpathMis {
-    float d_vcm; // the strategy with one vertex less: the density of this vertex is turned round
+    float d_vcm; // the strategy with one vertex less, over the reverse density of this vertex, which is still to come
     float d_vc;  // the others
 };
 
@@ -47,7 +47,7 @@ void mis_bound(inout SubpathMis m) { m = SubpathMis(min(m.d_vcm, LARGEST_SUM), m
 // heuristic 1; without weights all strategies that can sample the path count alike.
 float heuristic(float ratio) {
     if (WEIGHTS == WEIGHTS_NONE) return ratio > 0.0 ? 1.0 : 0.0;
-    float r = min(ratio, 1e13);
+    float r = min(ratio, 1e13); // its square still fits into a float, with room for sums
     return WEIGHTS == WEIGHTS_POWER ? r * r : r;
 }
 
@@ -57,7 +57,7 @@ float scaled_area(float area) { return area / (scene.radius * scene.radius); }
 // takes it. A mask lets both subpaths pass by chance, so that they meet there less often than they come: times its opacity.
 float eta_vcm(float opacity) {
     if (!MERGES) return 0.0;
-    return heuristic(PI * scaled_area(merge_radius() * merge_radius()) * float(light_table.light_path_count) * opacity);
+    return heuristic(PI * scaled_area(merge_radius() * merge_radius()) * light_path_count() * opacity);
 }
 
 // A term that stands for a connection.
@@ -66,17 +66,17 @@ float if_connected(float term) { return CONNECTS ? term : 0.0; }
 // The beginning of a camera subpath (eqs. 31 and 32, with solid angle not turned to area yet), per scaled area of the lens: `importance` is
 // pixels per solid angle, `cosine` is to the camera's axis. A pinhole has no area (lens_a = 0), and t = 0 does not take part.
 SubpathMis mis_begin_camera(float importance, float lens_a, float cosine) {
-    float pdf_w = importance / float(light_table.light_path_count); // over those of light subpaths
+    float pdf_w = importance / light_path_count(); // over those of light subpaths
     return SubpathMis(heuristic(1.0 / pdf_w), lens_a > 0.0 ? if_connected(heuristic(cosine / (lens_a * pdf_w))) : 0.0);
 }
 
 // Weight of t = 0: the light subpath has run into the lens (eqs. 37 and 43 from the other end).
 float mis_lens_weight(SubpathMis m, float importance, float lens_a) {
-    return 1.0 / (1.0 + m.d_vcm * heuristic(lens_a) + m.d_vc * heuristic(lens_a * importance / float(light_table.light_path_count)));
+    return 1.0 / (1.0 + m.d_vcm * heuristic(lens_a) + m.d_vc * heuristic(lens_a * importance / light_path_count()));
 }
 
 // The subpath has arrived at a vertex (g-arrow of eqs. 31 to 36): densities over solid angle become such per area there. `distance2` is the
-// square of the distance, or nothing (1 / scaled_area(1)) where the segment has no end.
+// square of the distance; 1 where densities are per area already.
 void mis_arrive(inout SubpathMis m, float distance2, float cosine) {
     m.d_vcm *= heuristic(scaled_area(distance2) / cosine);
     m.d_vc *= heuristic(1.0 / cosine);
@@ -92,8 +92,8 @@ float mis_arrive_from_camera(inout SubpathMis m, Path path, Vertex v, float cosi
     return distance2;
 }
 
-// The light subpath has arrived at a vertex, at this cosine; at its first one, eqs. 31 and 32: what (1, t) would have picked its beginning
-// with is known only there.
+// The light subpath has arrived at a vertex, at this cosine; at its first one, eqs. 31 and 32, of a light without extent 48 and 49: what (1, t)
+// would have picked its beginning with is known only there.
 void mis_arrive_from_light(inout SubpathMis m, Path path, EmittedRay e, Vertex v, Bsdf b, float cosine) {
     vec3 segment = v.at.position - path.from.position;
     float distance2 = dot(segment, segment);
@@ -101,13 +101,13 @@ void mis_arrive_from_light(inout SubpathMis m, Path path, EmittedRay e, Vertex v
     else m = SubpathMis(heuristic(light_choice_ratio(e, vertex_reference(v, b), distance2) / cosine), e.delta ? 0.0 : heuristic(e.d_vc / cosine));
 }
 
-// The subpath goes on in a direction of density pdf_w from a vertex of that opacity (eqs. 34 and 35); `reverse_pdf_w` is the density of having
+// The subpath goes on in a direction of density pdf_w from a vertex of that opacity (eqs. 34 and 35, of a delta lobe 53 and 54); `reverse_pdf_w` is the density of having
 // come the other way. Of a delta lobe both leave out the same infinite factor, and nothing is connected there.
 void mis_scatter(inout SubpathMis m, float cosine, float pdf_w, float reverse_pdf_w, bool delta, float opacity) {
     float there = heuristic(cosine / pdf_w);
     float others = m.d_vc * heuristic(reverse_pdf_w) + (delta ? 0.0 : if_connected(m.d_vcm) + eta_vcm(opacity));
-    m.d_vc = there > 0.0 ? there * others : 0.0;                 // eq. 35
-    m.d_vcm = delta ? 0.0 : heuristic(1.0 / pdf_w);              // eq. 34
+    m.d_vc = there > 0.0 ? there * others : 0.0;    // eqs. 35 and 54
+    m.d_vcm = delta ? 0.0 : heuristic(1.0 / pdf_w); // eqs. 34 and 53
     mis_bound(m);
 }
 
@@ -118,7 +118,8 @@ BsdfSample mis_sample(inout SubpathMis m, Vertex v, Bsdf b, Ray ray, vec3 u) {
     bsdf_close(b, v.wo, pdf_w.x, s);
     vertex_check(v, ray, s);
     float cosine = abs(dot(vertex_to_world(v, s.wi), v.at.normal));
-    // Refraction compresses solid angles by n_i^2 cos_i / (n_o^2 cos_o) (Veach 1997, section 5.2): turned round, its delta lobe is as much denser.
+    // Refraction takes a solid angle dw_o to dw_i = dw_o |cos_o| / (eta^2 |cos_i|) (Veach 1997, section 5.2): turned round, its delta lobe has the
+    // density times that ratio.
     float reverse_pdf_w = s.delta ? s.pdf_w * abs(v.wo.z / s.wi.z) / (s.eta * s.eta) : pdf_w.y;
     mis_scatter(m, cosine, s.pdf_w, reverse_pdf_w, s.delta, vertex_opacity(v));
     return s;
@@ -141,7 +142,7 @@ float mis_merge(SubpathMis m, float reverse_pdf_w, float opacity) {
 // direction, `cosine` lies at the light, `emission_a` is the density of light subpaths beginning there, per scaled area, and `emission_w`
 // that of going this way then.
 float mis_emission_weight(Path path, SubpathMis m, float choice_pdf_w, float cosine, float distance2, float emission_a, float emission_w) {
-    if (path.depth == 0u) return 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(emission_a)); // against (1, 1): m holds pixels per area there
+    if (path.depth == 0u) return 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(emission_a)); // against (1, 1): d_vcm is one over the density of camera subpaths per area there
     float choice_a = choice_pdf_w * cosine / scaled_area(distance2);
     return 1.0 / (1.0 + if_connected(m.d_vcm) * heuristic(choice_a) + m.d_vc * heuristic(emission_a * emission_w));
 }

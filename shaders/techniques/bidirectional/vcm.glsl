@@ -3,7 +3,8 @@
 // sample, under one multiple importance sampling. Light that is refracted or mirrored on both of its sides, which no connection
 // finds, comes by merges. Biased by their radius, which shrinks with every sample, so that the bias vanishes.
 //
-// To be read as bdpt.glsl says; the passes `grid-...` sort the vertices of the light subpaths in between.
+// To be read as bdpt.glsl says; the passes `grid-...` (core/grid_build.glsl) sort the vertices of the light subpaths in between, and merges sum
+// up what core/grid.glsl finds of them (transport/density_sums.glsl).
 #version 460
 #include "core/prelude.glsl"
 #define STRATEGIES_OF_VCM

@@ -1,4 +1,5 @@
-// What the forms have in common whose chains keep the random numbers of their current path: such a proposal is as likely as its reverse.
+// What the forms have in common whose chains keep the random numbers of their current path: such a proposal is as likely as its reverse. To be
+// included behind the form, which has defined Walk and walk_known.
 
 // The acceptance ratio, but for target compression: f(y) T(y -> x) / (f(x) T(x -> y)) with both T alike.
 float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.contribution; }

@@ -32,7 +32,7 @@ bool extend(inout CameraLane lane) {
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
     NextEvent n = nee_sample(path, v, b, light_u, s);
-    contribute(lane.e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, by_emitter(n), lane.e.rays));
+    contribute(lane.e, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput, by_emitter(n), lane.e.rays));
     if (!bsdf_is_delta(b) && SAMPLING == SAMPLING_EMITTER) return false;
     path_scatter(path, v, b, s);
     lane.path = path;

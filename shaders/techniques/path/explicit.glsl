@@ -16,12 +16,13 @@ bool explicit_extend(inout Path path, inout Estimate e) {
     if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
 
-    // 3. Next-event estimation, weighted against the BSDF's choice of the same direction.
+    // 3. Next-event estimation, weighted against the BSDF's choice of the same direction. The sample of the BSDF for the next segment is drawn
+    // before, as a mixture of lobes is evaluated for both directions by the same code.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
     NextEvent n = nee_sample(path, v, b, light_u, s);
-    contribute(e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, nee_weight(n), e.rays));
+    contribute(e, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput, nee_weight(n), e.rays));
 
     // 4. Scatter.
     path_scatter(path, v, b, s);

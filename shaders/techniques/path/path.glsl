@@ -3,7 +3,7 @@
 // sections 9.2 and 10.2). Paths end by Russian roulette on their throughput. Unbiased.
 //
 // The step from one vertex to the next is techniques/path/explicit.glsl, which `mlt:form=primary` takes as well; its stages are those of
-// transport/path.glsl and transport/nee.glsl.
+// transport/path.glsl, emission.glsl and nee.glsl.
 #version 460
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"

@@ -92,7 +92,7 @@ bool radiance(inout Path path, inout Estimate e) {
         vec4 bsdf_u = next4(path.random);
         BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
         NextEvent n = nee_sample(path, v, b, light_u, s);
-        call.direct = nee_visible(path, v, b, n, handed_down, nee_weight(n), e.rays);
+        call.direct = nee_contribution(path, v, b, n, handed_down, nee_weight(n), e.rays);
         if (RETURNS == RETURNS_NOTHING) contribute(e, path.depth + 2u, call.direct);
 
         // The inner call.

@@ -70,7 +70,7 @@ void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
         else light = light_sample(vertex_reference(v, b), u);
         BsdfSample none = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
         NextEvent n = nee_connect(path, v, b, light, none);
-        contribute(e, path.depth + 2u, nee_visible(path, v, b, n, path.throughput, 1.0 / float(shadow_rays()), e.rays));
+        contribute(e, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput, 1.0 / float(shadow_rays()), e.rays));
     }
 }
 

@@ -43,7 +43,7 @@ bool follow(inout Path path, inout Estimate e) {
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
     if (DIRECT == DIRECT_NEE) {
         NextEvent n = nee_sample(path, v, b, light_u, s);
-        contribute(e, length + 1u, nee_visible(path, v, b, n, path.throughput, 1.0, e.rays));
+        contribute(e, length + 1u, nee_contribution(path, v, b, n, path.throughput, 1.0, e.rays));
     }
     if (!bsdf_is_delta(b)) add_photons(path, v, b, e);
 

@@ -40,12 +40,8 @@ bool follow(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout 
 
 bool extend(inout Lane lane) { return follow(lane.kept, lane.light.emitted.power, lane.light.path, lane.met, lane.light.rays); }
 
-// Where more photons were met than there is room for, those that are kept stand for all.
 void end(inout Lane lane) {
-    lane.kept.count = min(lane.met, light_table.light_vertices);
-    if (lane.met > light_table.light_vertices) {
-        for (uint i = 0u; i < lane.kept.count; i++) lane.kept.at[i].power *= kept_share(lane.met);
-    }
+    LIGHT_PATH_CLOSE(lane.kept, lane.met)
     light_end(lane.light);
 }
 
