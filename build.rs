@@ -17,7 +17,7 @@ mod layout;
 #[allow(dead_code)]
 #[path = "src/spirv/mod.rs"]
 mod spirv;
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 #[path = "src/techniques/table.rs"]
 mod table;
 

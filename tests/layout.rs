@@ -5,23 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use lumbre::layout::{self, INLINE_FIRST_ID, SharedStruct, address, specialisation};
 use lumbre::techniques;
 
-/// The passes that hold everything that is shared, and the kernels that have structs of their own.
-const MODULES: [&str; 14] = [
-    "path.pixels.bvh",
-    "path.pixels.ray-query",
-    "bdpt.light.bvh",
-    "bdpt.camera.bvh",
-    "photon.camera.bvh",
-    "radiosity.gather.bvh",
-    "radiosity.pixels.bvh",
-    "mlt.primary.bvh",
-    "mlt.paths.bvh",
-    "test/trace.bvh",
-    "test/bsdf.bvh",
-    "test/light.bvh",
-    "test/random.bvh",
-    "rays/count.bvh",
-];
+/// What was compiled: the name and the file of each module.
+fn modules() -> impl Iterator<Item = (&'static str, &'static str)> {
+    include_str!(concat!(env!("OUT_DIR"), "/modules.txt")).lines().filter_map(|line| line.split_once(' '))
+}
 
 const NAME: u32 = 5;
 const MEMBER_NAME: u32 = 6;
@@ -42,10 +29,8 @@ fn structs() -> impl Iterator<Item = &'static SharedStruct> {
 struct Module(Vec<(u32, Vec<u32>)>);
 
 /// A module as it was compiled, with its names, which those in the program lack.
-fn load(name: &str) -> Module {
-    let list = std::fs::read_to_string(concat!(env!("OUT_DIR"), "/modules.txt")).unwrap();
-    let line = list.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' '));
-    let bytes = std::fs::read(line.unwrap_or_else(|| panic!("no module {name}"))).unwrap();
+fn load(file: &str) -> Module {
+    let bytes = std::fs::read(file).unwrap();
     let words: Vec<u32> = bytes.chunks_exact(4).map(|word| u32::from_ne_bytes(word.try_into().unwrap())).collect();
     let mut rest = &words[5..];
     let mut instructions = Vec::new();
@@ -101,8 +86,8 @@ impl Module {
 #[test]
 fn offsets_are_the_same_on_both_sides() {
     let mut seen = BTreeSet::new();
-    for name in MODULES {
-        for (found, members) in load(name).structs() {
+    for (name, file) in modules() {
+        for (found, members) in load(file).structs() {
             let Some(shared) = structs().find(|shared| shared.name == found) else { continue };
             let host: Vec<_> =
                 shared.members.iter().map(|member| (member.name.to_owned(), member.offset as u32)).collect();
@@ -112,7 +97,7 @@ fn offsets_are_the_same_on_both_sides() {
     }
     // `load_primitive` unpacks primitives by hand; see below.
     let all: BTreeSet<_> = structs().map(|shared| shared.name).filter(|name| *name != "Primitive").collect();
-    assert_eq!(seen, all, "every shared struct is in memory in one of {MODULES:?}");
+    assert_eq!(seen, all, "every shared struct is in memory in some module");
 }
 
 /// The words that `load_primitive` takes apart.
@@ -127,8 +112,8 @@ fn primitives_are_ten_words() {
 #[test]
 fn array_strides_are_the_sizes() {
     let mut checked = BTreeSet::new();
-    for name in MODULES {
-        let module = load(name);
+    for (name, file) in modules() {
+        let module = load(file);
         let (names, strides) = (module.names(), module.decorated(ARRAY_STRIDE));
         for array in module.of(TYPE_RUNTIME_ARRAY).chain(module.of(TYPE_ARRAY)) {
             let element = names.get(&array[1]);
@@ -149,8 +134,8 @@ fn array_strides_are_the_sizes() {
 #[test]
 fn specialisation_ids_are_the_same_on_both_sides() {
     let mut found = BTreeMap::new();
-    for name in MODULES {
-        let module = load(name);
+    for (_, file) in modules() {
+        let module = load(file);
         let names = module.names();
         let named = |(constant, id): (u32, u32)| Some((names.get(&constant)?.clone(), id));
         // Coordinates of the inline geometry have identifiers behind all others.

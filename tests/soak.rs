@@ -10,7 +10,7 @@ use crate::common::{backends, canon, settings, with_gpu};
 use lumbre::error::Error;
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Renderer, Settings};
-use lumbre::techniques::{Kept, SAMPLERS, Sampler, Strategies, TECHNIQUES};
+use lumbre::techniques::{Correlated, SAMPLERS, Sampler, Strategies, TECHNIQUES};
 
 /// Seconds of a soak where nobody says.
 const SECONDS: f64 = 20.0;
@@ -58,21 +58,24 @@ fn resident() -> f64 {
 
 fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Backend) -> Settings {
     let row = random.of(&TECHNIQUES.iter().collect::<Vec<_>>());
-    let technique = match row.kept {
-        Kept::Patches => random.of(&["radiosity:patches=4", "radiosity:patches=4:solver=shoot", "radiosity:patches=8"]),
-        Kept::Chains => random.of(&[
+    let technique = match row.name {
+        "radiosity" => random.of(&["radiosity:patches=4", "radiosity:patches=4:solver=shoot", "radiosity:patches=8"]),
+        "mlt" => random.of(&[
             "mlt:chains=128:candidates=4096",
             "mlt:chains=256:form=multiplexed:candidates=4096",
             "mlt:chains=256:form=paths:candidates=4096",
         ]),
-        _ => row.name,
+        name => name,
     };
     let mut any = settings(scene, technique, backend);
     (any.width, any.height) = (1 + random.below(48) as u32, 1 + random.below(48) as u32);
     any.seed = random.below(1000) as u32;
     any.max_depth = random.of(&[Some(1), Some(2), Some(5), None]);
-    any.sampler =
-        if row.kept == Kept::Chains { SAMPLERS[0].sampler } else { random.of(&[SAMPLERS[0].sampler, Sampler::Sobol]) };
+    any.sampler = if row.correlated == Correlated::Samples {
+        SAMPLERS[0].sampler
+    } else {
+        random.of(&[SAMPLERS[0].sampler, Sampler::Sobol])
+    };
     match random.below(4) {
         0 => any.lengths = 1 + random.below(5) as u32,
         1 if row.tells_strategies => {

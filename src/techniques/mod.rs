@@ -1,18 +1,14 @@
 //! Techniques: the table of what there is; the technique, parameters and settings that a rendering was asked for; and what each technique
 //! keeps on the device.
 //!
-//! A family has a folder: `row.rs` holds its rows, which `build.rs` reads as well, the other files its state. A state is put together from
+//! A family has a folder: `row.rs` holds its rows, which `build.rs` reads as well, `mod.rs` and what it names its state. `table.rs` lists
+//! the families. A state is put together from
 //! `splat_planes`, `light_paths` and `merging`, or is its own.
 
-mod bidirectional;
-mod light;
 mod light_paths;
 mod light_table;
 mod merging;
-mod metropolis;
 mod pace;
-mod photon;
-mod radiosity;
 mod sampler;
 mod settings;
 mod splat_planes;
@@ -32,24 +28,26 @@ pub(crate) use settings::slots;
 pub use state::{Context, FilmScale, FrameLimits, Job, NextState, StateBytes, StateReport, TechniqueState};
 pub(crate) use state::{StateKind, nothing};
 pub use stream::StateStream;
+use table::families;
 pub(crate) use table::stages;
 pub use table::{
-    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find,
-    structs,
+    Bias, Chance, Correlated, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find, structs,
 };
 pub use technique::Technique;
+
+macro_rules! states {
+    ($( $family:ident $file:literal $(with $structs:ident)? : $($row:ident keeps $state:ident),+ ; )+) => {
+        $(mod $family;)+
+
+        /// The kind of state that each technique has, by the technique's name.
+        const STATES: &[(&str, &dyn StateKind)] = &[$($((table::$family::$row.name, &$family::$state)),+),+];
+    };
+}
+families!(states);
 
 impl TechniqueRow {
     /// The kind of state that the technique has.
     pub(crate) fn state(&self) -> &'static dyn StateKind {
-        match self.kept {
-            Kept::Nothing => &state::Nothing,
-            Kept::Splats => &light::LightTracing,
-            Kept::LightSubpaths => &bidirectional::Connecting,
-            Kept::MergedSubpaths => &bidirectional::ConnectingAndMerging,
-            Kept::Photons => &photon::PhotonMapping,
-            Kept::Chains => &metropolis::MarkovChains,
-            Kept::Patches => &radiosity::Patches,
-        }
+        STATES.iter().find(|(name, _)| *name == self.name).map_or(&state::Nothing, |(_, kind)| *kind)
     }
 }

@@ -1,24 +1,51 @@
 //! The table of techniques: the only place where a new one is announced.
 //!
-//! A technique has a row in its family's folder, which is listed here, and its shader. `build.rs` includes the same table and compiles
-//! a module for every row, pass and backend; the command line, the tests and the documentation iterate it.
+//! A technique has a row in its family's folder and its shader, and is named in `families` here, with what it keeps on the device.
+//! `build.rs` includes the same table and compiles a module for every row, pass and backend; the command line, the tests and the documentation iterate it.
 
-#[path = "bidirectional/row.rs"]
-pub mod bidirectional;
-#[path = "light/row.rs"]
-pub mod light;
 #[path = "merging/row.rs"]
 pub mod merging;
-#[path = "metropolis/row.rs"]
-pub mod metropolis;
-#[path = "path/row.rs"]
-pub mod path;
-#[path = "photon/row.rs"]
-pub mod photon;
-#[path = "radiosity/row.rs"]
-pub mod radiosity;
 
 use crate::layout::SharedStruct;
+
+/// Calls `$callback! { FAMILIES }`. A family is `FOLDER "ROWS' FILE": ROW keeps STATE, ROW keeps STATE;`: the constants of its rows in
+/// `FOLDER/row.rs`, and with each the state's kind in `FOLDER/mod.rs`. `with structs` before the colon: `row.rs` has a module `structs`
+/// of what the family's shaders alone share with the host.
+///
+/// The build script, which knows no states, leaves them out; `mod.rs` makes the states' modules and [`TechniqueRow::state`] of them.
+macro_rules! families {
+    ($callback:ident) => {
+        $callback! {
+            path "path/row.rs": DIRECT keeps Nothing, WHITTED keeps Nothing, PATH_IMPLICIT keeps Nothing, PATH keeps Nothing,
+                PATH_RECURSIVE keeps Nothing;
+            light "light/row.rs": LIGHT keeps LightTracing;
+            bidirectional "bidirectional/row.rs": BDPT keeps Connecting, VCM keeps ConnectingAndMerging;
+            photon "photon/row.rs" with structs: PHOTON keeps PhotonMapping;
+            metropolis "metropolis/row.rs" with structs: MLT keeps MarkovChains;
+            radiosity "radiosity/row.rs" with structs: RADIOSITY keeps Patches;
+        }
+    };
+}
+pub(crate) use families;
+
+macro_rules! rows {
+    ($( $family:ident $file:literal $(with $structs:ident)? : $($row:ident keeps $state:ident),+ ; )+) => {
+        $(
+            #[path = $file]
+            pub mod $family;
+        )+
+
+        /// Every technique, in the order in which they are listed.
+        pub const TECHNIQUES: &[TechniqueRow] = &[$($($family::$row),+),+];
+
+        /// The structs that families of techniques share with their shaders alone.
+        pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
+            let families: &[&'static [SharedStruct]] = &[$($($family::$structs::STRUCTS,)?)+];
+            families.iter().copied().flatten()
+        }
+    };
+}
+families!(rows);
 
 /// What transport a technique accounts for; each kind is a part of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -137,25 +164,6 @@ pub enum Over {
     Jobs,
 }
 
-/// What a technique keeps on the device from one dispatch to the next, each in its family's folder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kept {
-    /// Nothing.
-    Nothing,
-    /// Splats: `light/mod.rs`.
-    Splats,
-    /// The light subpath of each camera subpath, and splats: `bidirectional/connecting.rs`.
-    LightSubpaths,
-    /// All light subpaths of a sample in a grid, and splats: `bidirectional/merging.rs`.
-    MergedSubpaths,
-    /// The photons of a sample in a grid: `photon/mod.rs`.
-    Photons,
-    /// Markov chains, each with its current path, and splats: `metropolis/chains.rs`.
-    Chains,
-    /// What patches of the scene's surfaces have received: `radiosity/state.rs`.
-    Patches,
-}
-
 /// One dispatch of a technique: a constant of its family, by which its state and the renderer refer to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {
@@ -212,8 +220,6 @@ pub struct TechniqueRow {
     pub bias: Bias,
     /// Segments after which Russian roulette may end a path, unless the scene or the command line says.
     pub rr_depth: u32,
-    /// What it keeps on the device.
-    pub kept: Kept,
     /// What of its samples is correlated.
     pub correlated: Correlated,
     /// Whether its film can tell strategies (s, t) apart.
@@ -248,6 +254,11 @@ impl TechniqueRow {
     /// Whether its samples reach pixels as splats.
     pub fn splats(&self) -> bool {
         self.passes.contains(&RESOLVE)
+    }
+
+    /// Whether all its subpaths begin at the camera, and nothing is kept between dispatches: it has the pass over pixels alone.
+    pub fn is_unidirectional(&self) -> bool {
+        self.passes == PIXELS
     }
 
     /// Whether it merges camera subpaths with the vertices of light subpaths nearby.
@@ -295,26 +306,6 @@ const PIXELS: &[Pass] = &[pass("pixels", Over::Pixels)];
 
 /// The pass that adds splats to the film.
 const RESOLVE: Pass = pass("resolve", Over::Image);
-
-/// Every technique, in the order in which they are listed.
-pub const TECHNIQUES: &[TechniqueRow] = &[
-    path::DIRECT,
-    path::WHITTED,
-    path::PATH_IMPLICIT,
-    path::PATH,
-    path::PATH_RECURSIVE,
-    light::LIGHT,
-    bidirectional::BDPT,
-    bidirectional::VCM,
-    photon::PHOTON,
-    metropolis::MLT,
-    radiosity::RADIOSITY,
-];
-
-/// The structs that families of techniques share with their shaders alone.
-pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
-    [photon::structs::STRUCTS, metropolis::structs::STRUCTS, radiosity::structs::STRUCTS].into_iter().flatten()
-}
 
 /// The stage of each of some passes: a pass over pixels begins another one where the pass before it was not over pixels.
 pub fn stages<'a>(passes: impl Iterator<Item = &'a Pass>) -> Vec<u32> {

@@ -12,7 +12,7 @@ use crate::render::film::Film;
 use crate::render::{Probe, Renderer, Settings, Technique};
 use crate::scene::Scene;
 use crate::statistics::{Estimate, sidak};
-use crate::techniques::{Bias, Correlated, Kept, Solves, TECHNIQUES, TechniqueRow};
+use crate::techniques::{Bias, Correlated, Solves, TECHNIQUES, TechniqueRow};
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
     pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
         let short = |row: &TechniqueRow| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
-        let camera = |row: &TechniqueRow| row.kept == Kept::Nothing;
+        let camera = |row: &TechniqueRow| row.is_unidirectional();
         let full = |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
         let fits = |row: &&TechniqueRow| if self.is_short() { short(row) } else { full(row) };
         let independent = |row: &&TechniqueRow| row.bias == Bias::Unbiased && row.correlated == Correlated::Nothing;

@@ -11,7 +11,7 @@ use crate::image::{Image, Picture, read_image, write_picture};
 use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings};
 use crate::scene::{Scene, SceneBuilder};
-use crate::techniques::{Kept, TECHNIQUES, TechniqueRow};
+use crate::techniques::{TECHNIQUES, TechniqueRow};
 
 /// A light that fills the image.
 fn light(size: u32, emission: [f64; 3]) -> Result<Scene> {
@@ -47,7 +47,7 @@ pub(super) fn layers(run: &mut Run) -> Result<()> {
     let scene = room::lit(room::MATTE, room::MATTE, 32)?;
     // Layers of contributions of light subpaths need no second backend.
     let all = run.pick(TECHNIQUES.len(), 4);
-    let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || row.kept == Kept::Nothing;
+    let here = |row: &&TechniqueRow| run.backend == Backend::Bvh || row.is_unidirectional();
     for row in TECHNIQUES.iter().take(all).filter(here).collect::<Vec<_>>() {
         let settings = run.settings(&scene, row.name)?;
         let layered = run.render(&scene, &Settings { lengths: 5, ..settings.clone() }, 16)?;

@@ -1,9 +1,7 @@
 //! The rows of bidirectional path tracing and of vertex connection and merging.
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{
-    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass,
-};
+use super::{Bias, Chance, Correlated, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass};
 
 /// Traces light subpaths, splats their vertices and keeps them.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -28,7 +26,6 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::LightSubpaths,
     correlated: Correlated::Nothing,
     tells_strategies: true,
     misses: &[Missing::HiddenDeltaCaustics],
@@ -56,7 +53,6 @@ pub const VCM: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Consistent("its merges are blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
-    kept: Kept::MergedSubpaths,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],

@@ -1,6 +1,6 @@
 //! The row of light tracing.
 
-use super::{Bias, Chance, Correlated, Kept, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
+use super::{Bias, Chance, Correlated, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
 
 /// Traces light paths and splats their vertices.
 pub const PATHS: Pass = pass("paths", Over::Pixels);
@@ -14,7 +14,6 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::Splats,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::Unshowable],

@@ -4,7 +4,7 @@
 pub mod structs;
 
 use super::{
-    Bias, Chance, Correlated, Kept, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with,
+    Bias, Chance, Correlated, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with,
 };
 
 /// Mutates the random numbers of `path`.
@@ -23,7 +23,6 @@ pub const MLT: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Consistent("the mean that all visits of its chains are scaled by is estimated from the same paths"),
     rr_depth: 5,
-    kept: Kept::Chains,
     correlated: Correlated::Samples,
     tells_strategies: false,
     misses: &[],

@@ -1,6 +1,6 @@
 //! The rows of the path tracers: all paths begin at the camera, and nothing is kept from one sample to the next.
 
-use super::{Bias, Chance, Correlated, Kept, Missing, PIXELS, Parameter, Solves, TechniqueRow, Values};
+use super::{Bias, Chance, Correlated, Missing, PIXELS, Parameter, Solves, TechniqueRow, Values};
 
 /// Direct lighting.
 pub const DIRECT: TechniqueRow = TechniqueRow {
@@ -11,7 +11,6 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
     solves: Solves::Direct,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::Nothing,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
@@ -44,7 +43,6 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     solves: Solves::Mirrored,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::Nothing,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
@@ -94,7 +92,6 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 1,
-    kept: Kept::Nothing,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaLights],
@@ -137,7 +134,6 @@ pub const PATH: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::Nothing,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
@@ -165,7 +161,6 @@ pub const PATH_RECURSIVE: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Unbiased,
     rr_depth: 5,
-    kept: Kept::Nothing,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],

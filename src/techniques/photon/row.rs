@@ -4,7 +4,7 @@
 pub mod structs;
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Chance, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
+use super::{Bias, Chance, Correlated, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
 
 /// Traces light paths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -20,7 +20,6 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     solves: Solves::Everything,
     bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
     rr_depth: 5,
-    kept: Kept::Photons,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],

@@ -3,7 +3,7 @@
 #[path = "structs.rs"]
 pub mod structs;
 
-use super::{Bias, Correlated, Kept, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
+use super::{Bias, Correlated, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass, pass_with};
 
 /// Measures the albedo of patches.
 pub const ALBEDO: Pass = pass("albedo", Over::Jobs);
@@ -29,7 +29,6 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
         "surfaces are diffuse, and patches of them have one irradiance each, which smaller patches make exact",
     ),
     rr_depth: 5,
-    kept: Kept::Patches,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],

@@ -1,0 +1,3 @@
+//! Path tracers: they keep nothing on the device.
+
+pub(super) use super::state::Nothing;
