@@ -292,7 +292,7 @@ fn bad_commands_name_what_is_valid() {
     assert!(render(&["--size", "10"]).contains("WIDTHxHEIGHT"));
     assert!(render(&["--max-depth", "-2"]).contains("-1 for no limit"));
     assert!(render(&["--lengths=99"]).contains("99"));
-    assert!(render(&["--strategies"]).contains("valid is it with bdpt"));
+    assert!(render(&["--strategies"]).contains("it is valid with bdpt"));
     assert!(render(&["--strategies=7"]).contains("1..=6"));
     assert!(render(&["--aov", "bogus", "-o", "a.exr"]).contains("variance or samples"));
     assert!(render(&["--lengths", "-o", "a.png"]).contains(".exr"));

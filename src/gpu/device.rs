@@ -202,6 +202,17 @@ impl Gpu {
         }
     }
 
+    /// Fails where the device lacks 64-bit atomics; `what` needs them, and `otherwise` says what is valid there.
+    pub(crate) fn require_int64_atomics(&self, what: &str, otherwise: &str) -> Result<()> {
+        if self.limits().int64_atomics {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "{what} needs the feature shaderBufferInt64Atomics, which {} lacks; {otherwise}",
+            self.survey().name
+        )))
+    }
+
     /// The messages of the validation layer since the last call; always empty where it is off.
     pub fn take_validation_messages(&self) -> Vec<String> {
         self.shared.instance.take_messages()

@@ -137,7 +137,10 @@ impl FramePlan {
     pub fn exchange(&mut self, stream: &mut StateStream) -> Result<()> {
         stream.numbers([&mut self.done, &mut self.stage, &mut self.cursor, &mut self.pass])?;
         let is_whole = self.is_between_passes() || self.pass > 0;
-        stream.check(is_whole && self.stage < self.stages && self.cursor < self.slots, "a place among the frames")
+        let (stage, stages, cursor, slots) = (self.stage, self.stages, self.cursor, self.slots);
+        stream.check(is_whole && stage < stages && cursor < slots, || {
+            format!("slot {cursor} of stage {stage}: valid are slots below {slots}, stages below {stages}, and a pass of some samples")
+        })
     }
 
     /// The most slots of a dispatch.

@@ -97,6 +97,7 @@ impl Renderer {
     /// Uploads the scene and makes the kernels; `watch` is told how far it is.
     pub fn watched(gpu: &Gpu, scene: &Scene, settings: &Settings, watch: Watch) -> Result<Self> {
         settings.check(gpu, scene)?;
+        settings.technique.row.state().check(gpu, settings)?;
         memory::check(gpu, scene, settings)?;
         Self::build(gpu, scene, settings, watch).map_err(|error| memory::advise(gpu, scene, settings, error))
     }
@@ -218,7 +219,7 @@ impl Renderer {
         stream.long(&mut self.nonfinite)?;
         let mut count = self.bad_samples.len() as u32;
         stream.numbers([&mut count])?;
-        stream.check(count <= BAD_SAMPLES, "a number of bad samples")?;
+        stream.check(count <= BAD_SAMPLES, || format!("{count} bad samples: valid are 0 to {BAD_SAMPLES}"))?;
         self.bad_samples.resize(count as usize, BadSample { x: 0, y: 0, sample: 0 });
         for bad in &mut self.bad_samples {
             stream.numbers([&mut bad.x, &mut bad.y, &mut bad.sample])?;
@@ -235,7 +236,8 @@ impl Renderer {
     pub fn state<T: TechniqueState>(&self) -> Result<&T> {
         let state: &dyn Any = self.state.as_ref();
         let name = self.settings.technique.row.name;
-        state.downcast_ref().ok_or_else(|| Error::Usage(format!("{name} keeps no {}", std::any::type_name::<T>())))
+        let asked = std::any::type_name::<T>().rsplit("::").next().unwrap_or_default();
+        state.downcast_ref().ok_or_else(|| Error::Usage(format!("the state of {name} is not that of {asked}")))
     }
 
     /// Makes the kernel anew, so that its code comes to lie elsewhere in memory. On a CPU device that alone can decide its speed:

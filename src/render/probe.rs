@@ -46,6 +46,7 @@ impl Probe {
     pub fn new(gpu: &Gpu, scene: &Scene, settings: &Settings, name: &str) -> Result<Self> {
         let module = format!("{name}.{}", settings.backend.name());
         settings.check(gpu, scene)?;
+        settings.technique.row.state().check(gpu, settings)?;
         memory::check_scene(gpu, scene, settings)?;
         let device_scene = Arc::new(DeviceScene::new(gpu, scene, settings, &|_| {})?);
         let kernel = compile(gpu, scene, settings, &module, device_scene)?;

@@ -78,8 +78,9 @@ impl<'a> StateStream<'a> {
     pub(crate) fn buffer(&mut self, buffer: &Buffer) -> Result<()> {
         let mut size = buffer.size();
         self.long(&mut size)?;
-        let what = format!("{size} bytes of '{}', which has {}", buffer.name(), buffer.size());
-        self.check(size == buffer.size(), &what)?;
+        self.check(size == buffer.size(), || {
+            format!("{size} bytes for the buffer '{}': valid are {}", buffer.name(), buffer.size())
+        })?;
         let mut chunk = vec![0; CHUNK.min(size) as usize];
         let mut start = 0;
         while start < size {
@@ -96,8 +97,8 @@ impl<'a> StateStream<'a> {
         Ok(())
     }
 
-    /// Fails where what was read cannot be: `what` it was.
-    pub(crate) fn check(&self, holds: bool, what: &str) -> Result<()> {
-        if holds { Ok(()) } else { Err(Error::read(self.file, format!("it has {what} that cannot be"))) }
+    /// Fails where what was read is not valid; the message says what it was, and what is valid.
+    pub(crate) fn check(&self, holds: bool, message: impl FnOnce() -> String) -> Result<()> {
+        if holds { Ok(()) } else { Err(Error::read(self.file, message())) }
     }
 }

@@ -1,6 +1,8 @@
 //! A technique as it was chosen: a row of the table with values for its parameters.
 
-use super::table::{Chance, Missing, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find};
+use super::table::{
+    Chance, Missing, Parameter, Pass, SHADER_PARAMETERS, Solves, TECHNIQUES, TechniqueRow, Values, find,
+};
 use crate::error::{Error, Result, one_of};
 use crate::scene::Scene;
 
@@ -62,9 +64,15 @@ impl Technique {
             .map(|(_, value)| value.as_str())
     }
 
-    /// The value of a parameter that is a number.
-    pub(crate) fn number(&self, name: &str) -> Option<f64> {
-        self.value(name).and_then(|text| text.parse().ok())
+    /// The value of a parameter that is a number; its default where the technique has no such parameter.
+    pub(super) fn number(&self, parameter: &Parameter) -> f64 {
+        let text = self.value(parameter.name).map_or_else(|| default_text(&parameter.values), str::to_owned);
+        text.parse().unwrap_or_default() // checked when it was set
+    }
+
+    /// Whether a pass of the row takes part.
+    pub(super) fn has_pass(&self, pass: &Pass) -> bool {
+        self.passes().any(|own| own == pass)
     }
 
     /// The passes that take part, in order.
@@ -73,8 +81,8 @@ impl Technique {
     }
 
     /// The specialisation constants `PARAM0` to `PARAM3`.
-    pub(crate) fn words(&self) -> [u32; 4] {
-        let mut words = [0; 4];
+    pub(crate) fn words(&self) -> [u32; SHADER_PARAMETERS] {
+        let mut words = [0; SHADER_PARAMETERS];
         for ((parameter, value), out) in self.row.parameters.iter().zip(&self.values).zip(&mut words) {
             *out = word(parameter, value).unwrap_or_default(); // checked when it was set
         }

@@ -5,6 +5,7 @@
 
 use std::cell::Cell;
 
+use super::super::table::merging::{ALPHA, RADIUS};
 use super::super::technique::Technique;
 use crate::scene::Scene;
 
@@ -41,7 +42,7 @@ impl MergeRadius {
     /// By the technique's parameters `radius` and `alpha`, as a share of the radius of [`Scene::core`], with so many light paths in each
     /// sample. The more these are, the closer they lie: a radius that falls like the root of their number meets as many of them.
     pub fn of(technique: &Technique, scene: &Scene, light_paths: u32) -> Self {
-        let [radius, alpha] = ["radius", "alpha"].map(|name| technique.number(name).unwrap_or_default());
+        let [radius, alpha] = [RADIUS, ALPHA].map(|parameter| technique.number(&parameter));
         let share = if radius > 0.0 { radius } else { 1.0 / f64::from(light_paths.max(1)).sqrt() };
         Self::new(share * f64::from(scene.core().1), alpha)
     }

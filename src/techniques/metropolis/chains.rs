@@ -19,7 +19,8 @@ use super::super::splat_planes::SplatPlanes;
 use super::super::state::{Context, FilmScale, FrameLimits, Job, StateBytes, StateKind, TechniqueState};
 use super::super::stream::StateStream;
 use super::super::table::Pass;
-use super::super::table::metropolis::{MULTIPLEXED, PATHS, PRIMARY};
+use super::super::table::metropolis::{BOOTSTRAP_SAMPLES, BOUND, CHAINS, MULTIPLEXED, PATHS, PRIMARY};
+use super::super::technique::Technique;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{BIDIRECTIONAL_LENGTH, LightTable, NONE, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address};
@@ -42,6 +43,11 @@ const LEAST_ROOM: u64 = 1024;
 const FIXED: f64 = 0.2;
 /// Of that, the part of the kind that meets light by chance alone: where it is what finds an image's light, few of its paths find any.
 const CHANCE: f64 = 0.25;
+
+/// The pass of the technique's form, which mutates paths.
+fn form(technique: &Technique) -> Pass {
+    [MULTIPLEXED, PATHS].into_iter().find(|pass| technique.has_pass(pass)).unwrap_or(PRIMARY)
+}
 
 /// How much there is of each, before anything is allocated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,18 +78,17 @@ struct ChainSize {
 impl ChainSize {
     pub fn of(settings: &Settings) -> Self {
         let technique = &settings.technique;
-        let number = |name: &str| technique.number(name).unwrap_or_default();
         let depth = u64::from(settings.max_depth.unwrap_or(u32::MAX));
         let blocks = |vertices: u64| FIRST_BLOCKS + VERTEX_BLOCKS * depth.min(vertices);
         let longest = u64::from(BIDIRECTIONAL_LENGTH);
-        let mut size = match technique.value("form") {
-            Some("multiplexed") => Self {
+        let mut size = match form(technique) {
+            MULTIPLEXED => Self {
                 camera_blocks: blocks(MOST_VERTICES),
                 light_blocks: blocks(longest),
                 kinds: 1 + depth.clamp(1, longest),
                 ..Self::default()
             },
-            Some("paths") => {
+            PATHS => {
                 let segments = depth.clamp(1, MOST_SEGMENTS);
                 Self { kinds: segments + 1, by_chance: segments, vertices: 2 * (segments + 1), ..Self::default() }
             }
@@ -92,14 +97,14 @@ impl ChainSize {
         size.layers = u64::from(settings.layers().max(1));
         let pixels = settings.pixels();
         let workgroup = u64::from(WORKGROUP);
-        let asked = number("chains") as u64;
+        let asked = technique.number(&CHAINS) as u64;
         let most = if asked > 0 {
             asked
         } else {
             (CHAIN_BYTES / size.bytes_of_chain() / workgroup * workgroup).clamp(workgroup, pixels.max(workgroup))
         };
         [size.chains, size.of_sample, size.mutations] = divided(pixels, most);
-        size.bootstrap = (number("candidates") as u64).max(size.chains);
+        size.bootstrap = (technique.number(&BOOTSTRAP_SAMPLES) as u64).max(size.chains);
         size.room = if size.vertices > 0 { size.chains.max(LEAST_ROOM) } else { size.chains };
         size
     }
@@ -269,7 +274,10 @@ impl TechniqueState for Chains {
         self.splats.exchange(stream, under_way)?;
         stream.long(&mut self.made)?;
         stream.long(&mut self.wanted)?;
-        stream.check(self.made <= self.wanted && self.wanted <= self.size.bootstrap, "a number of candidates")?;
+        let (made, wanted, most) = (self.made, self.wanted, self.size.bootstrap);
+        stream.check(made <= wanted && wanted <= most, || {
+            format!("{made} of {wanted} bootstrap samples: valid are at most so many, and {most} in all")
+        })?;
         for buffer in [&self.bootstrap, &self.states, &self.values, &self.numbers] {
             stream.buffer(buffer)?;
         }
@@ -294,11 +302,7 @@ impl Chains {
         let mut chains = Self {
             splats: SplatPlanes::new(gpu, settings, SplatPlanes::several(settings))?,
             paths_of_sample: paths_of_sample(settings) as u32,
-            pass: match settings.technique.value("form") {
-                Some("multiplexed") => MULTIPLEXED,
-                Some("paths") => PATHS,
-                _ => PRIMARY,
-            },
+            pass: form(&settings.technique),
             table: Buffer::zeroed(gpu, "chains", size_of::<ChainTable>() as u64)?,
             kinds_shares: Buffer::zeroed(gpu, "chains", 4 * size.kinds)?,
             states: Buffer::zeroed(gpu, "chains", size.chains * size_of::<Chain>() as u64)?,
@@ -311,7 +315,7 @@ impl Chains {
             took: Duration::ZERO,
             budget: Duration::MAX,
             shares: Vec::new(),
-            bound_in_means: settings.technique.number("bound").unwrap_or_default(),
+            bound_in_means: settings.technique.number(&BOUND),
             bound: f64::INFINITY,
             sum: None,
             squares: 0.0,

@@ -11,10 +11,10 @@ use super::super::settings::Settings;
 use super::super::state::{Context, FrameLimits, Job, NextState, StateBytes, StateKind, StateReport, TechniqueState};
 use super::super::stream::StateStream;
 use super::super::table::Pass;
-use super::super::table::radiosity as passes;
+use super::super::table::radiosity as row;
 use super::patches::{PatchMesh, Quartered};
 use super::report::PatchReport;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{
     FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, VEC3_BYTES, WORKGROUP, address,
@@ -53,16 +53,12 @@ fn layers(settings: &Settings) -> (u32, bool) {
 /// Patches of the size that these settings ask for; larger where they need not be quartered.
 fn mesh(scene: &Scene, settings: &Settings, quartered: &Quartered) -> Result<PatchMesh> {
     let levels = if threshold(settings) > 0.0 { LEVELS } else { 0 };
-    PatchMesh::new(scene, number(settings, "patches").unwrap_or(1.0), levels, quartered)
+    PatchMesh::new(scene, settings.technique.number(&row::PATCHES), levels, quartered)
 }
 
 /// Differences above which patches are quartered; 0 where all are.
 fn threshold(settings: &Settings) -> f64 {
-    number(settings, "adaptive").unwrap_or(0.0)
-}
-
-fn number(settings: &Settings, name: &str) -> Option<f64> {
-    settings.technique.number(name)
+    settings.technique.number(&row::ADAPTIVE)
 }
 
 /// What radiosity keeps.
@@ -70,13 +66,10 @@ pub(in super::super) struct Patches;
 
 impl StateKind for Patches {
     fn check(&self, gpu: &Gpu, settings: &Settings) -> Result<()> {
-        if !shoots(settings) || gpu.limits().int64_atomics {
-            return Ok(());
+        if shoots(settings) {
+            gpu.require_int64_atomics("radiosity:solver=shoot", "solver=gather does without")?;
         }
-        Err(Error::Usage(format!(
-            "radiosity:solver=shoot needs the feature shaderBufferInt64Atomics, which {} lacks; solver=gather does without",
-            gpu.survey().name
-        )))
+        Ok(())
     }
 
     /// Where patches are quartered as need be, it is the most that they can be.
@@ -146,18 +139,18 @@ impl Task {
     /// The pass that does it.
     pub fn pass(self) -> Pass {
         match self {
-            Self::Albedo => passes::ALBEDO,
-            Self::Gather => passes::GATHER,
-            Self::Shoot => passes::SHOOT,
-            Self::Collect => passes::COLLECT,
-            Self::Vertices => passes::VERTICES,
+            Self::Albedo => row::ALBEDO,
+            Self::Gather => row::GATHER,
+            Self::Shoot => row::SHOOT,
+            Self::Collect => row::COLLECT,
+            Self::Vertices => row::VERTICES,
         }
     }
 }
 
 /// Whether the settings ask for patches that shoot.
 fn shoots(settings: &Settings) -> bool {
-    settings.technique.value("solver") == Some("shoot")
+    settings.technique.has_pass(&row::SHOOT)
 }
 
 /// The patches of a rendering, and how far the light is on its way between them.
@@ -423,13 +416,16 @@ impl TechniqueState for Radiosity {
         }
         if stream.restores() {
             let found = Task::ALL.into_iter().find(|known| *known as u32 == task);
-            stream.check(found.is_some(), "a task of the patches")?;
+            stream.check(found.is_some(), || {
+                format!("task {task} of the patches: valid are 0 to {}", Task::ALL.len() - 1)
+            })?;
             self.task = found.unwrap_or(Task::Albedo);
             self.prepared = (prepared != NONE).then_some(prepared);
             if has_albedos > 0 {
                 self.albedos = self.albedo.read(self.mesh.patches.len())?;
             }
-            stream.check(self.cursor <= self.extent(), "a place among the patches")?;
+            let (cursor, extent) = (self.cursor, self.extent());
+            stream.check(cursor <= extent, || format!("place {cursor} among the patches: valid are 0 to {extent}"))?;
         }
         Ok(())
     }
@@ -453,10 +449,11 @@ impl TechniqueState for Radiosity {
 
 /// Rays of a patch in a round.
 fn rays(settings: &Settings, patches: u64) -> u32 {
-    match number(settings, "rays") {
-        Some(rays) if rays >= 1.0 => rays as u32,
-        _ => (settings.pixels() / patches.max(1)).clamp(1, MOST_RAYS).next_power_of_two() as u32,
+    let asked = settings.technique.number(&row::RAYS);
+    if asked >= 1.0 {
+        return asked as u32;
     }
+    (settings.pixels() / patches.max(1)).clamp(1, MOST_RAYS).next_power_of_two() as u32
 }
 
 /// Whether the patches' rays find all emission by themselves: there is much of it, and nothing else shines.
