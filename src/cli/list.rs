@@ -75,6 +75,7 @@ fn page() -> String {
         "bias",
         "cannot find, of that",
         "finds with rare, bright samples",
+        "shader",
     ]);
     for row in TECHNIQUES {
         let misses = row.misses.iter().map(|missing| missing.what());
