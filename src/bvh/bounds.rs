@@ -25,6 +25,11 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Radius of the sphere around the box: 0 where that is a point. Of no use where the box contains nothing.
+    pub fn radius(self) -> f32 {
+        0.5 * (self.max - self.min).length()
+    }
+
     /// A box around what the map makes of it; nothing stays nothing.
     #[must_use]
     pub fn transformed(self, map: &DAffine3) -> Self {

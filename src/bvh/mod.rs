@@ -31,8 +31,8 @@ impl Bvh {
         Self::build_in_chunks(boxes, CHUNK, &|_| {})
     }
 
-    /// Builds a tree over boxes, or over primitives, in chunks of `most` boxes at most, where there are more. `done` is told from time to time, from any thread,
-    /// how many boxes have found their place.
+    /// Builds a tree over boxes, or over primitives, in chunks of `most` boxes at most, where there are more. `done` is
+    /// told from time to time, from any thread, how many boxes have found their place.
     pub fn build_in_chunks<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
         if boxes.is_empty() {
             return Self { nodes: vec![CwBvhNode::default()], order: Vec::new(), depth: 1 };

@@ -72,6 +72,23 @@ macro_rules! scene_arrays {
 }
 pub(crate) use scene_arrays;
 
+macro_rules! array_names {
+    ($( $section:ident {
+        $( $(#[$doc:meta])* $field:ident $(: $kind:ident)? $(in $buffer:ident)?, $name:literal $(if $need:ident)?; )*
+    } )*) => {
+        /// The names of the arrays in reports of memory, by field.
+        #[derive(Clone, Copy, Debug)]
+        #[allow(missing_docs)] // each member is the name of the array that is called so
+        pub struct ArrayNames {
+            $( $( pub $field: &'static str, )* )*
+        }
+
+        /// The name of each array in reports of memory.
+        pub const ARRAY_NAMES: ArrayNames = ArrayNames { $( $( $field: $name, )* )* };
+    };
+}
+scene_arrays!(array_names);
+
 /// The GLSL type of a reference to an array.
 #[derive(Clone, Copy, Debug)]
 pub struct BufferReference {

@@ -1,13 +1,16 @@
 //! What kernels may leave out for a scene, each feature declared once.
 //!
-//! A row is a member of [`super::Needs`], a specialisation constant, a word of `lumbre info`, how a scene shows it, and what it is where
-//! kernels are not specialised. Materials and lights have theirs by kind, in tables of their own.
+//! A row is a member of [`super::Needs`], a specialisation constant, a word of `lumbre info`, how a scene shows it, and
+//! what it is where kernels are not specialised. Materials and lights have theirs by kind, in tables of their own.
 
-/// Calls `$callback! { ROWS }`. A row is `MEMBER CONSTANT: TYPE WORD, of CLOSURE, unspecialised CLOSURE;`: its name on the host, that of the
-/// specialisation constant, `bool` or `uint`, its word in reports (none where it is no feature to speak of), what it is for a
-/// `&Scene` and the `&Census` of what its surfaces show, and what it is, given that, where kernels model everything.
+/// Calls `$callback! { ROWS }`. A row is `MEMBER CONSTANT: TYPE WORD, of CLOSURE, unspecialised CLOSURE;`: its name on the
+/// host, that of the specialisation constant, `bool` or `uint`, its word in reports (none where it is no feature to speak
+/// of), what it is for a `&Scene` and the `&Census` of what its surfaces show, and what it is, given that, where kernels
+/// model everything.
 ///
-/// The closures are compiled where the macro's caller puts them: in `scene/needs.rs`, and not in the build script, which knows no scenes.
+/// The closures are compiled where the macro's caller puts them: in `scene/needs.rs`, and not in the build script, which
+/// knows no scenes. They may name all of `layout`. A feature that follows from which materials surfaces have asks the
+/// `Census`; where that lacks what it asks for, `scene/needs.rs` must count it first.
 macro_rules! features {
     ($callback:ident) => {
         $callback! {

@@ -28,6 +28,7 @@ mod specialisation;
 mod types;
 
 pub(crate) use arrays::scene_arrays;
+pub use arrays::{ARRAY_NAMES, ArrayNames};
 pub use constants::*;
 pub(crate) use features::features;
 pub use frame_structs::*;

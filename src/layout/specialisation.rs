@@ -110,8 +110,8 @@ settings! {
     wide_loads WIDE_LOADS: bool;
     /// Find the traversal stack's top by comparison (faster on CPU devices) rather than by address.
     select_stack SELECT_STACK: bool;
-    /// Loops that take one thing after the other so that their body stands in a kernel once may be unrolled. Drivers of CPUs, which are slow to
-    /// compile, are not told how many turns there are.
+    /// Loops that take one thing after the other so that their body stands in a kernel once may be unrolled. Drivers of
+    /// CPUs, which are slow to compile, are not told how many turns there are.
     unroll UNROLL: bool;
     /// First parameter of the technique.
     param0 PARAM0: uint;

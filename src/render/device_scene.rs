@@ -13,8 +13,8 @@ use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::backend::Backend;
 use crate::layout::{
-    self, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms, TEXTURE_IMAGE,
-    UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
+    self, ARRAY_NAMES, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms,
+    TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
 use crate::scene::compile::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
@@ -70,14 +70,18 @@ impl DeviceScene {
         watch(Building { doing: "uploading the scene", share: Some(0.0) });
         let mut buffers = Vec::new();
         // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
-        let primitives = Buffer::gathered(gpu, "primitives", &scene.primitives, &built.order)?;
+        let primitives = Buffer::gathered(gpu, ARRAY_NAMES.primitives, &scene.primitives, &built.order)?;
         let corners = if scene.corners.is_empty() {
             None
         } else {
-            Some(Buffer::gathered(gpu, "corners", &scene.corners, &built.order)?)
+            Some(Buffer::gathered(gpu, ARRAY_NAMES.corners, &scene.corners, &built.order)?)
         };
         let started = Instant::now();
-        let nodes = if built.nodes.is_empty() { None } else { Some(Buffer::concatenated(gpu, "nodes", &built.nodes)?) };
+        let nodes = if built.nodes.is_empty() {
+            None
+        } else {
+            Some(Buffer::concatenated(gpu, ARRAY_NAMES.nodes, &built.nodes)?)
+        };
         drop(std::mem::take(&mut built.nodes));
         structure_seconds += started.elapsed().as_secs_f64();
         let place_of = |buffer: Option<&Buffer>| buffer.map_or([0; 2], |buffer| address(buffer.address()));
@@ -137,17 +141,17 @@ impl DeviceScene {
             primitives: place_of(Some(&primitives)),
             corners: place_of(corners.as_ref()),
             nodes: place_of(nodes.as_ref()),
-            textures: upload("textures", bytemuck::cast_slice(&textures))?,
-            instances: upload("instances", bytemuck::cast_slice(&built.instances))?,
-            filter_table: upload("pixel filter", bytemuck::cast_slice(&filter_table))?,
+            textures: upload(ARRAY_NAMES.textures, bytemuck::cast_slice(&textures))?,
+            instances: upload(ARRAY_NAMES.instances, bytemuck::cast_slice(&built.instances))?,
+            filter_table: upload(ARRAY_NAMES.filter_table, bytemuck::cast_slice(&filter_table))?,
             ..SceneUniforms::default()
         };
         for array in scene.arrays(&needs) {
             *(array.address)(&mut uniforms) = upload(array.name, array.bytes)?;
         }
-        buffers.push(("primitives", primitives));
-        buffers.extend(corners.map(|buffer| ("corners", buffer)));
-        buffers.extend(nodes.map(|buffer| ("nodes", buffer)));
+        buffers.push((ARRAY_NAMES.primitives, primitives));
+        buffers.extend(corners.map(|buffer| (ARRAY_NAMES.corners, buffer)));
+        buffers.extend(nodes.map(|buffer| (ARRAY_NAMES.nodes, buffer)));
         let mut block = bytemuck::bytes_of(&uniforms).to_vec();
         append_table(&mut block, &scene.surfaces, UNIFORM_SURFACES);
         append_table(&mut block, &scene.materials, UNIFORM_MATERIALS);
@@ -179,7 +183,8 @@ impl DeviceScene {
     /// Bytes of what traversal has besides the primitives, which shading reads as well: nodes or the driver's structure, which
     /// keeps a copy of the primitives, and the instances.
     pub fn structure_bytes(&self) -> u64 {
-        let of_structure = |name: &str| matches!(name, "nodes" | "instances" | "acceleration structure");
+        let of_structure =
+            |name: &str| [ARRAY_NAMES.nodes, ARRAY_NAMES.instances, "acceleration structure"].contains(&name);
         self.bytes().iter().filter(|(name, _)| of_structure(name)).map(|(_, bytes)| bytes).sum()
     }
 

@@ -8,8 +8,8 @@ use crate::gpu::Gpu;
 use crate::gpu::accel::{self, BuildSizes};
 use crate::layout::backend::Backend;
 use crate::layout::{
-    self, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface, UNIFORM_LIGHTS,
-    UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,
+    self, ARRAY_NAMES, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface,
+    UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,
 };
 use crate::scene::{Filter, Scene};
 use crate::techniques::Settings;
@@ -251,15 +251,16 @@ impl Table {
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings) {
         let needs = settings.needs(scene);
-        for array in scene.arrays(&needs).into_iter().chain(scene.changed_arrays()) {
-            self.list(array.name, array.bytes);
+        let whole = scene.arrays(&needs).into_iter().map(|array| (array.name, array.bytes));
+        for (name, bytes) in whole.chain(scene.changed_arrays()) {
+            self.list(name, bytes);
         }
         if scene.primitives.is_empty() {
-            self.add("primitives", 4, true);
+            self.add(ARRAY_NAMES.primitives, 4, true);
         }
         scene.images.iter().for_each(|image| self.list("images", image.bytes()));
         if settings.filter != Filter::Box {
-            self.list("pixel filter", &settings.filter.cells());
+            self.list(ARRAY_NAMES.filter_table, &settings.filter.cells());
         }
         let tables = UNIFORM_SURFACES as usize * size_of::<Surface>()
             + UNIFORM_MATERIALS as usize * size_of::<Material>()
@@ -273,9 +274,9 @@ impl Table {
         if settings.needs(scene).instances {
             let count = scene.instances.len() as u64;
             nodes += estimated_nodes(count);
-            self.add("instances", count * size_of::<layout::Instance>() as u64, true);
+            self.add(ARRAY_NAMES.instances, count * size_of::<layout::Instance>() as u64, true);
         }
-        self.add("nodes", nodes * u64::from(NODE_BYTES), false);
+        self.add(ARRAY_NAMES.nodes, nodes * u64::from(NODE_BYTES), false);
     }
 
     /// Returns what is held while the structures are built, before the other arrays are there: what building takes, and the
@@ -294,7 +295,7 @@ impl Table {
         let BuildSizes { structure, scratch, input } = accel::top_level_sizes(gpu, placed as u32)?;
         let top = held + input + structure + scratch;
         self.add("acceleration structure", structure, false);
-        self.add("instances", placed * size_of::<layout::Instance>() as u64, true);
+        self.add(ARRAY_NAMES.instances, placed * size_of::<layout::Instance>() as u64, true);
         Ok((required.max(top), most.max(top)))
     }
 }

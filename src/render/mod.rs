@@ -30,7 +30,7 @@ use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGR
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::techniques::{
-    Context, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, nothing, stages,
+    Context, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, Trial, nothing, stages,
 };
 pub use crate::techniques::{Settings, Technique};
 pub use device_scene::DeviceScene;
@@ -365,26 +365,33 @@ impl Renderer {
     /// Runs one job of the technique's state, if the sample of that index needs any before it.
     fn run_job(&mut self, sample: u32) -> Result<bool> {
         let Some(job) = self.state.next_job(sample, self.plan.bound_of_frames()) else { return Ok(false) };
-        let Some(pass) = self.passes.iter().position(|(pass, _)| *pass == job.pass) else { return Ok(false) };
+        let Some(pass) = self.passes.iter().position(|(pass, _)| *pass == job.pass) else {
+            return Err(Error::Device(format!(
+                "{}: its state asks for the pass '{}', which is not among the kernels of this rendering",
+                self.settings.technique.describe(),
+                job.pass.name
+            )));
+        };
         let started = Instant::now();
         let constants = FrameConstants { sample_count: job.samples, word: job.word, ..self.constants(Frame::NOTHING) };
         let device = self.submit(&job.about, constants, &[Run { pass, first: job.first, count: job.count }])?;
-        let wall = started.elapsed();
-        self.state.job_done(&job, wall)?;
-        spent::rendered(wall.as_secs_f64(), 0);
-        self.seconds.render += wall.as_secs_f64();
+        self.state.job_done(&job, started.elapsed())?;
+        // What the state makes of a job on the host is part of the rendering as well.
+        let wall = started.elapsed().as_secs_f64();
+        spent::rendered(wall, 0);
+        self.seconds.render += wall;
         self.seconds.device += device.as_secs_f64();
         Ok(true)
     }
 
     /// Runs trials for as long as the state is one: what they took counts as building.
     fn finish_trials(&mut self, context: &Context, watch: Watch) -> Result<()> {
-        let Some(doing) = self.state.trial() else { return Ok(()) };
+        let Some(trial) = self.state.trial() else { return Ok(()) };
         let started = Instant::now();
-        watch(Building { doing, share: Some(0.0) });
+        watch(Building { doing: trial.doing(), share: Some(0.0) });
         while self.state.trial().is_some() {
             while self.run_job(0)? {}
-            let Some(make) = self.state.after_trial()? else { break };
+            let Some(make) = self.state.trial().map(Trial::next).transpose()? else { break };
             self.state = nothing(); // before there are two
             self.state = make(context)?;
         }

@@ -12,8 +12,9 @@ const FEW_DECIDE: f64 = 0.5;
 /// Watches a rendering's own estimate of its relMSE, [`crate::render::film::Film::error_estimate`].
 ///
 /// The estimate is the samples' variance, so it sees noise and no bias; and noise only as far as it has shown: where rare paths
-/// carry much of the light, it is too small until one of them was found. So one that a few pixels decide must be half as large. Looking again and again and stopping at the first good
-/// look is biased as well; looks are a seventh of the samples apart, which keeps that below the spread of the estimate.
+/// carry much of the light, it is too small until one of them was found. So one that a few pixels decide must be half as
+/// large. Looking again and again and stopping at the first good look is biased as well; looks are a seventh of the samples apart, which
+/// keeps that below the spread of the estimate.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorTarget {
     relmse: f64,

@@ -1,12 +1,12 @@
 //! The arrays of a scene on their way to a device, by the list in `layout`.
 
 use super::{Needs, Scene};
-use crate::layout::{SceneUniforms, scene_arrays, uvec2};
+use crate::layout::{ARRAY_NAMES, SceneUniforms, scene_arrays, uvec2};
 
 /// An array of a scene as a device holds it.
 #[derive(Clone, Copy, Debug)]
 pub struct DeviceArray<'a> {
-    /// Its name in reports of memory.
+    /// The array's name in reports of memory.
     pub name: &'static str,
     /// Its bytes; none where no kernel of the scene reads it.
     pub bytes: &'a [u8],
@@ -24,19 +24,16 @@ macro_rules! device_arrays {
             /// The arrays that are uploaded as they are.
             pub fn arrays(&self, needs: &Needs) -> Vec<DeviceArray<'_>> {
                 vec![$( DeviceArray {
-                    name: $name,
+                    name: ARRAY_NAMES.$field,
                     bytes: if device_arrays!(@needed needs $($need)?) { bytemuck::cast_slice(&self.$field) } else { &[] },
                     address: |uniforms| &mut uniforms.$field,
                 } ),*]
             }
 
-            /// The arrays that are uploaded in another order or with addresses in them; their sizes are those on the device.
-            pub fn changed_arrays(&self) -> Vec<DeviceArray<'_>> {
-                vec![$( DeviceArray {
-                    name: $other_name,
-                    bytes: bytemuck::cast_slice(&self.$other),
-                    address: |uniforms| &mut uniforms.$other,
-                } ),*]
+            /// The arrays that are uploaded in another order or with addresses in them; their names and their bytes, as
+            /// many as on the device.
+            pub fn changed_arrays(&self) -> Vec<(&'static str, &[u8])> {
+                vec![$( (ARRAY_NAMES.$other, bytemuck::cast_slice(&self.$other)) ),*]
             }
         }
     };

@@ -2,10 +2,11 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::compile::light::unreachable_kind;
 use super::{Instance, Scene};
 use crate::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_HAS_ABSORPTION, Material, NONE, Primitive,
-    SPHERE_BIT, SURFACE_MASK,
+    LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
+    MATERIAL_DIELECTRIC, MATERIAL_HAS_ABSORPTION, Material, NONE, Primitive, SPHERE_BIT, SURFACE_MASK,
 };
 
 /// Direction in which surfaces are looked for: along no axis, so that few edges lie on the way.
@@ -93,7 +94,8 @@ fn before(light: &Light) -> DVec3 {
     match light.kind {
         LIGHT_TRIANGLE => (a + b + c) / 3.0 + OFF * (b - a).cross(c - a) / (b - a).length().max((c - a).length()),
         LIGHT_DIRECTIONAL => DVec3::INFINITY,
-        _ => a,
+        LIGHT_SPHERE | LIGHT_POINT | LIGHT_SPOT | LIGHT_PROJECTOR => a,
+        kind => unreachable_kind(kind, a),
     }
 }
 

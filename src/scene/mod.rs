@@ -30,10 +30,9 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    AliasEntry, Blend, Compensation, Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, LIGHTS, Layered, Light, LightNode,
-    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
-    MATERIALS, Material, MaterialKind, MaterialTextures, NONE, Plastic, Primitive, Principled, SURFACE_MASK, Surface,
-    Texture, Trait, float, scene_arrays, vec2, vec3, vec4,
+    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
+    MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIALS, Material, MaterialKind, NONE, Primitive,
+    SURFACE_MASK, Trait, scene_arrays,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -88,8 +87,8 @@ macro_rules! scene_struct {
             pub bounds: Bounds,
             /// What the user should know: defaults that stepped in, degenerate faces that were dropped.
             pub warnings: Vec<String>,
-            $( $(#[$other_doc])* pub $other: Vec<$other_kind>, )*
-            $( $(#[$doc])* pub $field: Vec<$kind>, )*
+            $( $(#[$other_doc])* pub $other: Vec<crate::layout::$other_kind>, )*
+            $( $(#[$doc])* pub $field: Vec<crate::layout::$kind>, )*
         }
     };
 }
@@ -144,6 +143,24 @@ impl Scene {
         })
     }
 
+    /// Which of the materials some surface has, on either side, alone or in a blend: their indices, ascending.
+    pub(crate) fn materials_in_use(&self) -> Vec<usize> {
+        let mut pending: Vec<u32> = self.surfaces.iter().flat_map(|surface| [surface.front, surface.back]).collect();
+        let mut seen = vec![false; self.materials.len()];
+        while let Some(index) = pending.pop() {
+            if index == NONE || std::mem::replace(&mut seen[index as usize], true) {
+                continue;
+            }
+            // Blends refer to materials that no surface names.
+            let material = &self.materials[index as usize];
+            if material.kind == MATERIAL_BLEND {
+                let blend = &self.blends[material.detail as usize];
+                pending.extend([blend.first, blend.second]);
+            }
+        }
+        (0..seen.len()).filter(|index| seen[*index]).collect()
+    }
+
     /// Whether some light is one that no direction hits by chance: a point, a spot, a projector, parallel light.
     pub fn has_delta_lights(&self) -> bool {
         self.lights.iter().any(|light| LIGHTS[light.kind as usize].delta)
@@ -152,13 +169,10 @@ impl Scene {
     /// Whether light comes from where few directions lead to: from points, from surfaces that are small beside the scene, or from a
     /// background with an image, as that may show a sun.
     pub fn has_small_lights(&self) -> bool {
+        // Of a sphere what any direction sees of it, a quarter.
         let area = |light: &Light| {
-            let [a, b, c] = [light.position, light.v1, light.v2].map(Vec3::from);
-            match light.kind {
-                LIGHT_TRIANGLE => 0.5 * (b - a).cross(c - a).length(),
-                LIGHT_SPHERE => std::f32::consts::PI * light.v1[0] * light.v1[0],
-                _ => 0.0,
-            }
+            let area = compile::light::area(light).unwrap_or_default() as f32;
+            if light.kind == LIGHT_SPHERE { 0.25 * area } else { area }
         };
         // A lamp has one surface, and as many lights as triangles.
         let mut lamps: HashMap<u32, f32> = HashMap::new();
@@ -246,6 +260,6 @@ impl Scene {
 
 /// Radius of a sphere around a box; 1 where that is a point or nothing.
 fn radius_around(bounds: Bounds) -> f32 {
-    let radius = 0.5 * (bounds.max - bounds.min).length();
+    let radius = bounds.radius();
     if radius > 0.0 { radius } else { 1.0 }
 }

@@ -4,20 +4,16 @@ use glam::DAffine3;
 
 use super::Scene;
 pub use crate::layout::Needs;
-use crate::layout::{
-    LIGHT_KINDS, LIGHT_SPOT, LIGHT_TRIANGLE, LIGHTS, Layered, Light, MATERIAL_BLEND, MATERIAL_HAS_ABSORPTION,
-    MATERIAL_HAS_COLOURS, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_KINDS, MATERIAL_LAYERED, MATERIALS,
-    MICROFACET_BECKMANN, NONE, SPHERE_BIT, Surface, TEXTURE_CHECKERBOARD, TEXTURE_IMAGE, Texture, features, uint,
-};
+#[allow(clippy::wildcard_imports)] // whatever the closures of the list of features name
+use crate::layout::*;
 
 /// Whether a light is a triangle at least this long beside the radius of the scene. Smaller ones are seen from close by few
 /// points, which is not worth what sampling by solid angle costs all the others.
 const LARGE: f32 = 0.5;
 
 fn is_large(light: &Light, scene: &Scene) -> bool {
-    let radius = 0.5 * (scene.bounds.max - scene.bounds.min).length();
     let [a, b, c] = [light.position, light.v1, light.v2].map(glam::Vec3::from);
-    light.kind == LIGHT_TRIANGLE && b.distance(c).max(c.distance(a)).max(a.distance(b)) > LARGE * radius
+    light.kind == LIGHT_TRIANGLE && b.distance(c).max(c.distance(a)).max(a.distance(b)) > LARGE * scene.radius()
 }
 
 /// The bits of all textures that hold texels.
@@ -66,14 +62,7 @@ struct Census<'a> {
 impl<'a> Census<'a> {
     fn of(scene: &'a Scene) -> Self {
         let mut census = Self::default();
-        // Blends refer to materials that no surface names.
-        let mut pending: Vec<u32> = scene.surfaces.iter().flat_map(|surface| [surface.front, surface.back]).collect();
-        let mut seen = vec![false; scene.materials.len()];
-        while let Some(index) = pending.pop() {
-            if index == NONE || std::mem::replace(&mut seen[index as usize], true) {
-                continue;
-            }
-            let material = &scene.materials[index as usize];
+        for material in scene.materials_in_use().into_iter().map(|index| &scene.materials[index]) {
             census.kinds[material.kind as usize] = true;
             census.flags |= material.flags;
             if material.textures != NONE {
@@ -86,9 +75,7 @@ impl<'a> Census<'a> {
                 census.layered.push(&scene.layereds[material.detail as usize]);
             }
             if material.kind == MATERIAL_BLEND {
-                let blend = &scene.blends[material.detail as usize];
-                pending.extend([blend.first, blend.second]);
-                census.textured |= blend.weight_texture != NONE;
+                census.textured |= scene.blends[material.detail as usize].weight_texture != NONE;
             }
         }
         census

@@ -25,7 +25,7 @@ pub use radiosity::{PatchReport, Radiosity};
 pub use sampler::{SAMPLERS, Sampler, SamplerRow};
 pub use settings::Settings;
 pub(crate) use settings::slots;
-pub use state::{Context, FilmScale, FrameLimits, Job, NextState, StateBytes, StateReport, TechniqueState};
+pub use state::{Context, FilmScale, FrameLimits, Job, NextState, StateBytes, StateReport, TechniqueState, Trial};
 pub(crate) use state::{StateKind, nothing};
 pub use stream::StateStream;
 use table::families;

@@ -126,6 +126,15 @@ pub struct StateReport {
 /// Makes the state that follows one that was only a trial.
 pub type NextState = Box<dyn FnOnce(&Context) -> Result<Box<dyn TechniqueState>>>;
 
+/// A state that only finds out how to make the one that takes its place.
+pub trait Trial {
+    /// What it is for, in words.
+    fn doing(&self) -> &'static str;
+
+    /// How to make the state that takes its place, once its jobs have been run.
+    fn next(&self) -> Result<NextState>;
+}
+
 /// What a technique keeps on the device, and what of its procedure the host decides. A technique that keeps nothing implements nothing.
 ///
 /// [`crate::render::Renderer`] asks for jobs before each sample, dispatches the passes of the row over what [`Self::elements`] says, and
@@ -194,15 +203,9 @@ pub trait TechniqueState: Any + Send {
         Ok(None)
     }
 
-    /// What a trial is for, in words, where the state is one: then all jobs before the first sample are run, and [`Self::after_trial`]
-    /// says how to make the state that takes its place.
-    fn trial(&self) -> Option<&'static str> {
+    /// The state as a trial, where it is one: then all jobs before the first sample are run, and another state takes its place.
+    fn trial(&self) -> Option<&dyn Trial> {
         None
-    }
-
-    /// How to make the state that takes the place of a trial.
-    fn after_trial(&self) -> Result<Option<NextState>> {
-        Ok(None)
     }
 }
 

@@ -1,11 +1,9 @@
 //! How lights are selected: from an alias table in proportion to their power, or from a tree by bounds on
 //! their contribution to the point.
 
-use std::f64::consts::PI;
-
 use super::alias::alias_table;
 use super::flatten::Emitter;
-use super::light::{power, triangle_area};
+use super::light::{area, power};
 use super::light_tree::{self, LightTree};
 use crate::layout::{LIGHT_DIRECTIONAL, LIGHT_LEAF_BIT, LIGHT_SPHERE, Light, Primitive, SURFACE_MASK, Surface};
 use crate::scene::LightSelection;
@@ -107,13 +105,10 @@ pub(super) fn arrange(
             surfaces[surface].light_trail = trails[index - in_table];
         }
         let light = &lights[index];
-        let (density, area) = if light.kind == LIGHT_SPHERE {
-            (light.probability, 4.0 * PI * f64::from(light.v1[0]).powi(2))
-        } else {
-            let area = triangle_area(light);
-            ((f64::from(light.probability) / area) as f32, area)
-        };
-        surfaces[surface].light_density = density;
+        let Some(area) = area(light) else { continue };
+        let is_sphere = light.kind == LIGHT_SPHERE;
+        surfaces[surface].light_density =
+            if is_sphere { light.probability } else { (f64::from(light.probability) / area) as f32 };
         surfaces[surface].emission_density = (f64::from(light.emission_probability) / area) as f32;
     }
     LightTable { lights, in_table: in_table as u32, table_probability, tree, background_probability }

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::light::{importance, triangle_area};
+use super::light::{importance, triangle_area, unreachable_kind};
 use crate::layout::{
     LIGHT_LEAF_BIT, LIGHT_POINT, LIGHT_PROJECTOR, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, LightNode,
 };
@@ -77,7 +77,8 @@ impl LightBounds {
                 (point(at(light.v1), corner.atan(), 0.0), strength * (1.0 + corner * corner).powf(1.5))
             }
             LIGHT_POINT => (point(DVec3::Z, PI, 0.0), strength),
-            kind => unreachable_kind(kind),
+            // What has no place: the caller keeps it out of the tree.
+            kind => unreachable_kind(kind, ((DVec3::splat(-1e18), DVec3::splat(1e18), DVec3::Z, PI, PI), 0.0)),
         };
         Self { min, max, axis: axis.normalize_or(DVec3::Z), facing: facing.min(PI), spread: spread.max(0.0), intensity }
     }
@@ -109,12 +110,6 @@ impl LightBounds {
             + 0.5 * PI * (2.0 * reach * sin - (self.facing - 2.0 * reach).cos() - 2.0 * self.facing * sin + cos);
         self.intensity * area * directions
     }
-}
-
-/// A kind of light that has no place: the caller keeps those out of the tree.
-fn unreachable_kind(kind: u32) -> ((DVec3, DVec3, DVec3, f64, f64), f64) {
-    debug_assert!(false, "light kind {kind} has no place in the tree");
-    ((DVec3::splat(-1e18), DVec3::splat(1e18), DVec3::Z, PI, PI), 0.0)
 }
 
 /// The smallest cone around two, each an axis and a half angle (Conty Estevez and Kulla 2018, algorithm 1).

@@ -31,7 +31,7 @@ use crate::scene::{Instance, Scene};
 use flatten::Flat;
 use light::{importance, textured_share};
 use light_table::Candidate;
-use materials::file_materials;
+use materials::material_records;
 use placement::{choose_origin, framing_camera, world_extent};
 
 impl SceneBuilder {
@@ -82,7 +82,7 @@ impl SceneBuilder {
         flat.close_attributes();
         let is_textured = !self.textures.is_empty();
         let mut tables = if is_textured { srgb_table() } else { Vec::new() };
-        let filed = file_materials(&self.materials, &mut tables);
+        let records = material_records(&self.materials, &mut tables);
 
         let lamps: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin, &mut tables)).collect();
         if lamps.is_empty() && flat.emitters.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
@@ -93,7 +93,8 @@ impl SceneBuilder {
             min: (min - origin).as_vec3(),
             max: (max - origin).as_vec3(),
         });
-        let radius = (bounds.max - bounds.min).length() as f64 * 0.5;
+        // 0 where all is one point: then parallel light has no power there.
+        let radius = f64::from(bounds.radius());
         let mut background = self.background.filter(|rgb| importance(*rgb) > 0.0);
         let (environment, background_table) = match (self.environment, background) {
             (Some((texture, axes)), Some(_)) => environment::sampled(&self, texture, axes)?.unzip(),
@@ -122,7 +123,7 @@ impl SceneBuilder {
         }
         let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images)).collect();
         if self.mip_maps {
-            mip_maps::add(&mut self.images, &mut textures, &filed.textures, &filed.layereds);
+            mip_maps::add(&mut self.images, &mut textures, &records.textures, &records.layereds);
         }
         let mut scene = Scene {
             source: self.source,
@@ -136,14 +137,14 @@ impl SceneBuilder {
             tangents: flat.tangents,
             colours: flat.colours,
             surfaces: flat.surfaces,
-            material_names: (0..filed.materials.len()).map(|index| self.names.remove(&index)).collect(),
-            materials: filed.materials,
-            material_textures: filed.textures,
+            material_names: (0..records.materials.len()).map(|index| self.names.remove(&index)).collect(),
+            materials: records.materials,
+            material_textures: records.textures,
             blends: self.blends,
-            plastics: filed.plastics,
-            principleds: filed.principleds,
-            layereds: filed.layereds,
-            compensations: filed.compensations,
+            plastics: records.plastics,
+            principleds: records.principleds,
+            layereds: records.layereds,
+            compensations: records.compensations,
             textures,
             images: self.images,
             tables,

@@ -8,7 +8,9 @@ use std::time::Duration;
 
 use super::super::pace::Pace;
 use super::super::settings::Settings;
-use super::super::state::{Context, FrameLimits, Job, NextState, StateBytes, StateKind, StateReport, TechniqueState};
+use super::super::state::{
+    Context, FrameLimits, Job, NextState, StateBytes, StateKind, StateReport, TechniqueState, Trial,
+};
 use super::super::stream::StateStream;
 use super::super::table::Pass;
 use super::super::table::radiosity as row;
@@ -16,11 +18,9 @@ use super::patches::{PatchMesh, Quartered};
 use super::report::PatchReport;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{
-    FIXED_RGB_BYTES, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PREPARING_BIT, VEC3_BYTES, WORKGROUP, address,
-};
+use crate::layout::{FIXED_RGB_BYTES, NONE, PREPARING_BIT, VEC3_BYTES, WORKGROUP, address};
 use crate::scene::Scene;
-use crate::scene::compile::light::triangle_area;
+use crate::scene::compile::light::area;
 use crate::techniques::table::radiosity::structs::PatchTable;
 
 /// The most rays of a patch in a round, where their number follows that of pixels.
@@ -434,16 +434,22 @@ impl TechniqueState for Radiosity {
         self.figures()?.report().map(Some)
     }
 
-    fn trial(&self) -> Option<&'static str> {
-        (self.trials > 0).then_some("quartering patches")
+    fn trial(&self) -> Option<&dyn Trial> {
+        (self.trials > 0).then_some(self)
+    }
+}
+
+impl Trial for Radiosity {
+    fn doing(&self) -> &'static str {
+        "quartering patches"
     }
 
     /// Quarters patches where irradiance differs from one to the next, and tries again, until it differs nowhere or they are small enough.
-    fn after_trial(&self) -> Result<Option<NextState>> {
+    fn next(&self) -> Result<NextState> {
         let uneven = self.uneven()?;
         let trials = if uneven.is_some() { self.trials - 1 } else { 0 };
         let quartered = uneven.unwrap_or_else(|| self.quartered.clone());
-        Ok(Some(Box::new(move |context| Ok(Box::new(Self::new(context, quartered, trials)?)))))
+        Ok(Box::new(move |context| Ok(Box::new(Self::new(context, quartered, trials)?))))
     }
 }
 
@@ -458,11 +464,6 @@ fn rays(settings: &Settings, patches: u64) -> u32 {
 
 /// Whether the patches' rays find all emission by themselves: there is much of it, and nothing else shines.
 fn is_found(scene: &Scene, mesh: &PatchMesh) -> bool {
-    let area = |light: &crate::layout::Light| match light.kind {
-        LIGHT_TRIANGLE => Some(triangle_area(light)),
-        LIGHT_SPHERE => Some(4.0 * std::f64::consts::PI * f64::from(light.v1[0]).powi(2)),
-        _ => None,
-    };
     let Some(emitting) = scene.lights.iter().map(area).sum::<Option<f64>>() else { return false };
     let front = mesh.patches.iter().filter(|patch| patch.back == 0 && patch.face != NONE);
     let all: f64 = front.map(|patch| f64::from(patch.area)).sum();
