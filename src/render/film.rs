@@ -144,12 +144,15 @@ impl Film {
 
     /// The unbiased estimate of the variance of one sample, per pixel and channel; 0 below two samples.
     pub fn sample_variance(&self) -> Image {
-        self.per_pixel(|pixel| {
-            let n = self.counts[pixel] as f64;
-            std::array::from_fn(|channel| {
-                let (sum, squares) = (self.sums[pixel][channel], self.squares[pixel][channel]);
-                if n < 2.0 { 0.0 } else { ((squares - sum * sum / n) / (n - 1.0)).max(0.0) }
-            })
+        self.per_pixel(|pixel| self.variance_of_sample(pixel))
+    }
+
+    /// The unbiased estimate of the variance of one sample of a pixel, per channel; 0 below two samples.
+    pub(crate) fn variance_of_sample(&self, pixel: usize) -> [f64; 3] {
+        let n = self.counts[pixel] as f64;
+        std::array::from_fn(|channel| {
+            let (sum, squares) = (self.sums[pixel][channel], self.squares[pixel][channel]);
+            if n < 2.0 { 0.0 } else { ((squares - sum * sum / n) / (n - 1.0)).max(0.0) }
         })
     }
 

@@ -8,4 +8,4 @@ mod significance;
 pub use intervals::{
     CONFIDENCE, Interval, SIGNIFICANCE, log_interpolate, log_slope, student_quantile, student_two_sided,
 };
-pub use significance::{Estimate, sidak, two_sided_p};
+pub use significance::{Estimate, sidak, two_sided_p, two_sided_z};

@@ -5,6 +5,16 @@ pub fn two_sided_p(z: f64) -> f64 {
     erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
+/// The |z| that a standard normal variable exceeds with this probability, to within 20 / 2^60.
+pub fn two_sided_z(p: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 20.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if two_sided_p(middle) > p { low = middle } else { high = middle }
+    }
+    high
+}
+
 /// Complementary error function (Numerical Recipes, third edition, section 6.2.2: relative error below 1.2e-7).
 fn erfc(x: f64) -> f64 {
     let t = 2.0 / (2.0 + x.abs());
@@ -63,6 +73,7 @@ mod tests {
     fn p_values_of_the_normal_distribution() {
         for (z, p) in [(0.0, 1.0), (1.0, 0.317_310_5), (1.96, 0.049_995_8), (3.0, 0.002_699_8), (6.0, 1.973_2e-9)] {
             assert!((two_sided_p(z) / p - 1.0).abs() < 1e-4, "{z}: {}", two_sided_p(z));
+            assert!((two_sided_z(p) - z).abs() < 1e-3, "{p}: {}", two_sided_z(p));
         }
     }
 

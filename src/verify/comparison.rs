@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::figure::{Figure, Worst};
 use crate::render::film::Film;
-use crate::statistics::{Estimate, sidak, two_sided_p};
+use crate::statistics::{Estimate, sidak, two_sided_z};
 
 /// The mean over all pixels and its variance, per channel, from the film's own variance.
 pub fn average(film: &Film) -> [Estimate; 3] {
@@ -20,10 +20,9 @@ pub fn tile_average(film: &Film, columns: Range<u32>, rows: Range<u32>) -> [Esti
         for x in columns.clone() {
             let pixel = (y * film.width + x) as usize;
             let n = film.counts[pixel].max(1) as f64;
-            for (channel, total) in sums.iter_mut().enumerate() {
-                let (sum, squares) = (film.sums[pixel][channel], film.squares[pixel][channel]);
+            for ((total, sum), variance) in sums.iter_mut().zip(film.sums[pixel]).zip(film.variance_of_sample(pixel)) {
                 total.mean += sum / n / count;
-                total.variance += ((squares - sum * sum / n) / (n - 1.0).max(1.0)).max(0.0) / n / (count * count);
+                total.variance += variance / n / (count * count);
             }
         }
     }
@@ -85,30 +84,22 @@ pub fn mean(
 pub fn same_mean(technique: &str, what: &str, a: &Film, b: &Film, tile: u32, whole: f64) -> [Figure; 2] {
     let LargestZ { z, place, count } = largest_z(a, b, tile);
     let of_tiles = format!("{what}: largest |z| of {count} tiles and channels");
-    let of_tiles = Figure::at_most(technique, of_tiles, z.abs(), z_of(sidak(0.01, count))).worst(place);
+    let of_tiles = Figure::at_most(technique, of_tiles, z.abs(), two_sided_z(sidak(0.01, count))).worst(place);
     let mut largest = Worst::default();
     for (channel, (a, b)) in average(a).iter().zip(&average(b)).enumerate() {
         largest.see(a.z(b).abs(), || format!("channel {channel}: {:.5} against {:.5}", a.mean, b.mean));
     }
-    [of_tiles, largest.figure(technique, format!("{what}: |z| of the whole image"), z_of(whole))]
+    [of_tiles, largest.figure(technique, format!("{what}: |z| of the whole image"), two_sided_z(whole))]
 }
 
-/// The largest difference of a film's mean over a rectangle from that of another, over the latter, of the channels that this one has light in.
+/// The largest difference of a film's mean over a rectangle from that of another, over the latter, of the channels that the other has light
+/// in. Not a number where one of the differences is none, or where the other has light in no channel.
 pub fn largest_off(found: &Film, truth: &Film, columns: Range<u32>, rows: Range<u32>) -> f64 {
     let [found, truth] = [found, truth].map(|film| tile_average(film, columns.clone(), rows.clone()));
     let lit = found.into_iter().zip(truth).filter(|(_, truth)| truth.mean > 0.0);
     let off = lit.map(|(found, truth)| found.mean / truth.mean - 1.0);
-    off.fold(0.0, |worst: f64, off| if off.abs() > worst.abs() { off } else { worst })
-}
-
-/// The |z| that a standard normal variable exceeds with this probability.
-fn z_of(p: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 20.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if two_sided_p(middle) > p { low = middle } else { high = middle }
-    }
-    high
+    let farther = |worst: f64, off: f64| if worst.is_nan() || worst.abs() > off.abs() { worst } else { off };
+    off.reduce(farther).unwrap_or(f64::NAN)
 }
 
 /// Pixels whose sums are not the same bits.
