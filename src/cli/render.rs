@@ -26,7 +26,7 @@ use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, par
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, write_json};
 use job::Job;
-use keep::Keeper;
+use keep::CheckpointWriter;
 use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.
@@ -217,7 +217,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
     let checkpoint = args.checkpoint.as_deref();
     let parts = (&scene, &mut settings, &gpu);
-    let mut keeper = Keeper::new(checkpoint, args.checkpoint_interval, args.resume, args.quiet, parts)?;
+    let mut keeper = CheckpointWriter::new(checkpoint, args.checkpoint_interval, args.resume, args.quiet, parts)?;
 
     gpu.reset_peak();
     let building = BuildProgress::new(args.quiet);
@@ -253,7 +253,7 @@ fn iterate(
     job: &Job,
     mut target: Option<ErrorTarget>,
     interrupted: &AtomicBool,
-    keeper: &mut Keeper,
+    keeper: &mut CheckpointWriter,
     progress: &mut Progress,
 ) -> Result<(f64, Option<u32>)> {
     let rendering = Instant::now();

@@ -1,6 +1,6 @@
 //! The table of ray backends: the only place where a new one is announced.
 //!
-//! A backend is one row here and one file in `shaders/trace/` with the functions `trace_closest` and `trace_any`;
+//! A backend is one row here and one file in `shaders/trace/` with the function `trace`;
 //! `gpu/` says which devices have what it needs.
 
 /// A way to find what a ray meets.
@@ -15,13 +15,13 @@ pub enum Backend {
 /// One backend's row.
 #[derive(Clone, Copy, Debug)]
 pub struct BackendRow {
-    /// The backend.
+    /// The backend that the row describes.
     pub backend: Backend,
-    /// Its name on the command line.
+    /// The backend's name on the command line (`--backend`).
     pub name: &'static str,
-    /// Its file in `shaders/trace/`.
+    /// The backend's file in `shaders/trace/`.
     pub file: &'static str,
-    /// Whether its traversal can count what it tests, where `COUNT_TRAVERSAL` is defined.
+    /// Whether the backend's traversal can count what it tests, where `COUNT_TRAVERSAL` is defined.
     pub counts: bool,
 }
 
@@ -32,7 +32,7 @@ pub const BACKENDS: &[BackendRow] = &[
 ];
 
 impl Backend {
-    /// Whether its traversal can count what it tests.
+    /// Whether the backend's traversal can count what it tests.
     pub fn counts(self) -> bool {
         BACKENDS.iter().any(|row| row.backend == self && row.counts)
     }

@@ -91,14 +91,14 @@ pub struct Measurement {
 }
 
 /// The kernels of one backend, and its settings.
-struct Contestant {
+struct RayProbe {
     backend: Backend,
     closest: Probe,
     any: Probe,
     count: Option<Probe>,
 }
 
-impl Contestant {
+impl RayProbe {
     fn new(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Self> {
         let closest = Probe::new(gpu, scene, settings, "rays/closest")?;
         let any = closest.sibling(scene, settings, "rays/any")?;
@@ -146,41 +146,35 @@ pub fn measure(
         Ok(settings)
     };
     let kinds = make(gpu, scene, &settings(backends.first().copied().unwrap_or(Backend::Bvh))?)?;
-    let mut contestants = Vec::new();
+    let mut probes = Vec::new();
     for backend in backends {
-        contestants.push(Contestant::new(gpu, scene, &settings(*backend)?)?);
+        probes.push(RayProbe::new(gpu, scene, &settings(*backend)?)?);
     }
     let mut throughput = Vec::new();
     for (kind, rays) in kinds {
-        throughput.extend(trace(gpu, &contestants, kind, &rays, repeats)?);
+        throughput.extend(trace(gpu, &probes, kind, &rays, repeats)?);
     }
     Ok(Measurement {
         schema: "lumbre-rays-2",
         device: gpu.survey().name.clone(),
         driver: gpu.survey().driver.clone(),
         primitives: scene.primitives.len(),
-        structures: contestants.iter().map(|contestant| contestant.structure(scene)).collect(),
+        structures: probes.iter().map(|probe| probe.structure(scene)).collect(),
         throughput,
     })
 }
 
-/// One row per contestant for one kind of ray.
-fn trace(
-    gpu: &Gpu,
-    contestants: &[Contestant],
-    kind: RayKind,
-    rays: &[RayRecord],
-    repeats: usize,
-) -> Result<Vec<Throughput>> {
+/// One row per backend for one kind of ray.
+fn trace(gpu: &Gpu, probes: &[RayProbe], kind: RayKind, rays: &[RayRecord], repeats: usize) -> Result<Vec<Throughput>> {
     let mixed: Vec<RayRecord> = shuffle(rays.len()).into_iter().map(|index| rays[index as usize]).collect();
     let ordered = Buffer::with_data(gpu, "rays", rays)?;
     let shuffled = Buffer::with_data(gpu, "shuffled rays", &mixed)?;
     drop(mixed);
     let to = Buffer::zeroed(gpu, "distances", 4 * rays.len() as u64)?;
     let mut rows = Vec::new();
-    for contestant in contestants {
+    for probe in probes {
         rows.push(Throughput {
-            backend: contestant.backend.name(),
+            backend: probe.backend.name(),
             kind,
             rays: rays.len(),
             hit: 0.0,
@@ -188,12 +182,12 @@ fn trace(
             mrays_per_s: 0.0,
             shuffled_runs: Vec::new(),
             shuffled_mrays_per_s: 0.0,
-            tested: contestant.tested(kind, rays)?,
+            tested: probe.tested(kind, rays)?,
         });
     }
     for run in 0..=repeats {
-        for (contestant, row) in contestants.iter().zip(&mut rows) {
-            let probe = if kind == RayKind::Shadow { &contestant.any } else { &contestant.closest };
+        for (of_backend, row) in probes.iter().zip(&mut rows) {
+            let probe = if kind == RayKind::Shadow { &of_backend.any } else { &of_backend.closest };
             for (from, runs) in [(&ordered, &mut row.runs), (&shuffled, &mut row.shuffled_runs)] {
                 let work = probe.run_on(from, &to, rays.len() as u32)?;
                 if run > 0 {

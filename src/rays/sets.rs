@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{RAY_BOUNCES, RayRecord};
+use crate::layout::{FilmPixel, RAY_BOUNCES, RayRecord};
 use crate::render::{Probe, Settings};
 use crate::scene::Scene;
 
@@ -22,10 +22,10 @@ pub enum RayKind {
 
 /// The rays of each kind in the order of the pixels that they come from; those of paths that left the scene are taken out.
 pub fn make(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Vec<(RayKind, Vec<RayRecord>)>> {
-    let slots = settings.width.div_ceil(8) * settings.height.div_ceil(8) * 64;
+    let slots = settings.slots() as u32;
     let sets = 1 + 2 * RAY_BOUNCES as usize;
     let records = Buffer::zeroed(gpu, "rays", sets as u64 * u64::from(slots) * size_of::<RayRecord>() as u64)?;
-    let unused = Buffer::zeroed(gpu, "film", u64::from(settings.width) * u64::from(settings.height) * 48)?;
+    let unused = Buffer::zeroed(gpu, "film", settings.pixels() * size_of::<FilmPixel>() as u64)?;
     Probe::new(gpu, scene, settings, "rays/make")?.run_on(&records, &unused, slots)?;
     let all: Vec<RayRecord> = records.read(sets * slots as usize)?;
     let mut kinds =

@@ -13,7 +13,7 @@ use lumbre::scene::Scene;
 pub(super) const INTERVAL: f64 = 60.0;
 
 /// Keeps a rendering in a file, where that was asked for.
-pub(super) struct Keeper {
+pub(super) struct CheckpointWriter {
     /// Nothing where it was not.
     files: Option<Checkpoints>,
     interval: f64,
@@ -25,7 +25,7 @@ pub(super) struct Keeper {
     kept: Option<u32>,
 }
 
-impl Keeper {
+impl CheckpointWriter {
     /// Takes hold of the file, and finds what to go on from where that is asked for.
     pub fn new(
         file: Option<&Path>,

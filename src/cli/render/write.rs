@@ -6,12 +6,17 @@ use lumbre::error::{Error, Result};
 use lumbre::image::{Format, Picture, format_of, write_picture};
 use lumbre::render::film::Film;
 
-use super::keep::Keeper;
+use super::keep::CheckpointWriter;
 use super::pyramid;
 
 /// Writes all outputs, also where one of them fails. Fails with the first error then, and says where the rendering is kept: in its
 /// checkpoint, or, without one, as an image in the folder for temporary files.
-pub(super) fn write_outputs(outputs: &[PathBuf], film: &Film, picture: &Picture, keeper: &Keeper) -> Result<()> {
+pub(super) fn write_outputs(
+    outputs: &[PathBuf],
+    film: &Film,
+    picture: &Picture,
+    keeper: &CheckpointWriter,
+) -> Result<()> {
     let mut first = None;
     for path in outputs {
         if let Err(error) = write_output(path, film, picture)

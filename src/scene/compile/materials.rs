@@ -23,7 +23,7 @@ fn coating(description: &MaterialDescription) -> (Vec<f32>, f64) {
 
 /// The materials' records and what goes beside them.
 #[derive(Default)]
-pub(super) struct Filed {
+pub(super) struct MaterialRecords {
     pub materials: Vec<Material>,
     pub textures: Vec<MaterialTextures>,
     pub plastics: Vec<Plastic>,
@@ -32,43 +32,43 @@ pub(super) struct Filed {
     pub compensations: Vec<Compensation>,
 }
 
-/// Files the materials' parts; tables of coatings and of missing energy go to the end of `tables`.
-pub(super) fn file_materials(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> Filed {
-    let mut filed = Filed::default();
+/// The records of materials, and of what each has beside its own; tables of coatings and of missing energy go to the end of `tables`.
+pub(super) fn material_records(descriptions: &[MaterialDescription], tables: &mut Vec<f32>) -> MaterialRecords {
+    let mut records = MaterialRecords::default();
     let mut known = compensation::Known::default();
     for description in descriptions {
         let mut record = description.record;
         match &description.detail {
             Detail::None if record.flags & MATERIAL_IS_COMPENSATED != 0 => {
-                record.detail = filed.compensations.len() as u32;
-                filed.compensations.push(compensation::file(description, tables, &mut known));
+                record.detail = records.compensations.len() as u32;
+                records.compensations.push(compensation::file(description, tables, &mut known));
             }
             Detail::None => {}
             Detail::Plastic(plastic) => {
                 let (table, inside) = coating(description);
                 let (first, internal_reflectance) = (tables.len() as u32, inside as f32);
-                record.detail = filed.plastics.len() as u32;
-                filed.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
+                record.detail = records.plastics.len() as u32;
+                records.plastics.push(Plastic { table: first, internal_reflectance, ..*plastic });
                 tables.extend(table);
             }
             Detail::Principled(principled) => {
-                record.detail = filed.principleds.len() as u32;
-                filed.principleds.push(*principled);
+                record.detail = records.principleds.len() as u32;
+                records.principleds.push(*principled);
             }
             Detail::Layered(layered) => {
-                record.detail = filed.layereds.len() as u32;
-                filed.layereds.push(*layered);
+                record.detail = records.layereds.len() as u32;
+                records.layereds.push(*layered);
             }
         }
         let textures = &description.textures;
         if description.is_textured() {
-            record.textures = filed.textures.len() as u32;
-            filed.textures.push(*textures);
+            record.textures = records.textures.len() as u32;
+            records.textures.push(*textures);
         }
         if textures.normal != NONE || textures.bump != NONE {
             record.flags |= MATERIAL_HAS_TANGENTS;
         }
-        filed.materials.push(record);
+        records.materials.push(record);
     }
-    filed
+    records
 }
