@@ -6,7 +6,7 @@ export CARGO
 # Wherever cargo puts the program (CARGO_TARGET_DIR, build.target-dir).
 LUMBRE = $(CARGO) run --release --quiet --
 
-# Finds what docs/metropolis.md says of light that only chance finds: to be run by hand.
+# Finds what docs/metropolis.md says of light that next-event estimation cannot sample: to be run by hand.
 KNOWN = the_whole_canon
 
 # What `cargo fmt` does not find by itself, for a macro makes the modules of it.

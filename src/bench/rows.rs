@@ -8,9 +8,9 @@ use crate::image::metrics::{heat_map, heat_scale};
 use crate::image::{Image, Picture, write_picture};
 use crate::reference::Truth;
 
-/// A crop is this part of the image's width and height ...
+/// The image's width and height over those of a crop.
 const CROP: u32 = 4;
-/// ... and enlarged by this factor.
+/// Factor by which crops are enlarged.
 const ENLARGED: u32 = 4;
 
 /// One variant's image with its figures.

@@ -12,9 +12,9 @@ use crate::scene::Scene;
 /// When a run is to be stopped and looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
-    /// At this many samples per pixel ...
+    /// Samples per pixel at which the run is stopped at the latest.
     pub spp: u32,
-    /// ... or after this many seconds of rendering, whichever comes first.
+    /// Seconds of rendering after which it is stopped at the latest; no bound where there are none. Whichever comes first counts.
     pub seconds: Option<f64>,
 }
 

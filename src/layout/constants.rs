@@ -37,7 +37,7 @@ shared_constants! {
     pub const MICROFACET_BECKMANN = 2;
     /// Flag on [`Material::flags`](super::Material::flags): light passes through, so the material is the same from both sides.
     pub const MATERIAL_HAS_TRANSMISSION = 4;
-    /// Flag on [`Material::flags`](super::Material::flags): the shading frame must follow the texture coordinates.
+    /// Flag on [`Material::flags`](super::Material::flags): the shading basis must follow the texture coordinates.
     pub const MATERIAL_HAS_TANGENTS = 8;
     /// Flag on [`Material::flags`](super::Material::flags): light that crosses it is weighted by what it absorbs inside.
     pub const MATERIAL_HAS_ABSORPTION = 16;
@@ -58,9 +58,9 @@ shared_constants! {
     pub const TEXELS_FLOAT = 2;
     /// Coordinates outside of the texture repeat it.
     pub const WRAP_REPEAT = 0;
-    /// They repeat it mirrored.
+    /// Coordinates outside of the texture repeat it mirrored.
     pub const WRAP_MIRROR = 1;
-    /// They see its edge.
+    /// Coordinates outside of the texture see the texel at its edge.
     pub const WRAP_CLAMP = 2;
     /// Flag on [`Texture::sampling`](super::Texture::sampling): the nearest texel instead of bilinear interpolation.
     pub const FILTER_NEAREST_BIT = 0x10000;

@@ -230,9 +230,9 @@ shared_structs! {
 
     /// One entry of an alias table over texels.
     pub struct AliasEntry {
-        /// Probability of keeping this entry once it is drawn ...
+        /// Probability of keeping this entry once it is drawn.
         keep: float,
-        /// ... and the entry to take instead.
+        /// The entry to take where this one is drawn and not kept.
         alias: uint,
         /// Density of this entry over the unit square of texture coordinates.
         density: float,
@@ -252,9 +252,9 @@ shared_structs! {
         radiance: vec3,
         /// Probability of being selected.
         probability: float,
-        /// Alias table (Walker 1977): probability of keeping this entry once it is drawn ...
+        /// Alias table (Walker 1977) by which lights are selected: probability of keeping this entry once it is drawn.
         keep: float,
-        /// ... and the entry to take instead.
+        /// The entry to take where this one is drawn and not kept.
         alias: uint,
         /// Area light: its surface. Spot, projector: texture that multiplies the intensity, or [`NONE`].
         source: uint,
@@ -265,9 +265,9 @@ shared_structs! {
         trail: uint,
         /// Probability that a light path begins at this light, in proportion to its power.
         emission_probability: float,
-        /// Alias table over all lights: probability of keeping this entry once it is drawn ...
+        /// Alias table over all lights, by which light subpaths begin: probability of keeping this entry once it is drawn.
         emission_keep: float,
-        /// ... and the entry to take instead.
+        /// The entry to take where this one is drawn by `emission_keep` and not kept.
         emission_alias: uint,
         /// Absorption of the medium that it shines in, 1/m; of what is infinitely far, nothing.
         absorption: vec3,

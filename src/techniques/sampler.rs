@@ -15,11 +15,11 @@ pub enum Sampler {
 /// One sampler's row.
 #[derive(Clone, Copy, Debug)]
 pub struct SamplerRow {
-    /// The sampler.
+    /// The sampler that the row describes.
     pub sampler: Sampler,
-    /// Its name on the command line.
+    /// The sampler's name on the command line (`--sampler`).
     pub name: &'static str,
-    /// What it is.
+    /// The sampler in a line, for `lumbre list`.
     pub about: &'static str,
 }
 

@@ -32,7 +32,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             text(
                 "E D S L with a tiny light. A path that leaves the floor towards the glass hardly ever ends on the lamp: `path` shows single bright \
                  pixels, and a dark shadow in between. Paths from the lamp draw the caustic at once. `light` leaves the glass itself black: \
-                 what the camera sees through it cannot be shown to it.",
+                 no vertex behind it can be connected to the camera.",
                 "E D S L con una luz diminuta. Un camino que sale del suelo hacia el vidrio casi nunca acaba en la lámpara: `path` muestra píxeles \
                  brillantes aislados y, entre ellos, una sombra oscura. Los caminos que parten de la lámpara dibujan la cáustica enseguida. `light` deja \
                  negro el propio vidrio: lo que la cámara ve a través de él no se le puede mostrar.",
@@ -61,7 +61,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
             text(
                 "No caustic, but a narrow gap. Shadow rays nearly all end at the wall; paths from the lamp seldom find the way out. No technique \
                  is far ahead of `path`: the paths that do get through would have to be used again. A few pixels of the glass carafe, \
-                 which only chance lights, decide the relMSE.",
+                 whose light next-event estimation cannot sample, decide the relMSE.",
                 "No hay cáustica, sino una rendija. Casi todos los rayos de sombra acaban en la pared; los caminos de la lámpara rara vez encuentran \
                  la salida. Ninguna técnica aventaja mucho a `path`: habría que reutilizar los caminos que sí pasan. Unos pocos píxeles de la \
                  garrafa de vidrio, que solo el azar ilumina, deciden el relMSE.",

@@ -15,7 +15,7 @@ fn write(lab: &mut Lab, sheet: &mut Sheet) -> Result<()> {
     sheet.equation(
         "I _ j = ∫ W _ j ( y → x ) L ( y → x ) G d y = E [ Φ _ { path } W _ j f G / p ]",
         text(
-            "The measurement equation (Veach 1997, equation 4.7), read from the lamp's end: each vertex of a path from a lamp is shown to the \
+            "The measurement equation (Veach 1997, equation 4.7), read from the lamp's end: each vertex of a path from a lamp is connected to the \
              camera, whose importance W says to which pixel j it belongs. One path adds to many pixels.",
             "La ecuación de medida (Veach 1997, ecuación 4.7), leída desde la lámpara: cada vértice de un camino que sale de una lámpara se muestra a \
              la cámara, cuya importancia W dice a qué píxel j pertenece. Un camino suma en muchos píxeles.",

@@ -41,7 +41,8 @@ const MOST_SEGMENTS: u64 = 32;
 const LEAST_ROOM: u64 = 1024;
 /// Of large steps, the share that goes to kinds whatever their contribution; bootstrap samples have no other.
 const FIXED: f64 = 0.2;
-/// Of that, the part of the kind that meets light by chance alone: where it is what finds an image's light, few of its paths find any.
+/// Of the share [`FIXED`] of large steps, the part of the kind that samples no light: where that kind is what finds an image's light, few of
+/// its paths find any.
 const CHANCE: f64 = 0.25;
 
 /// The pass of the technique's form, which mutates paths.

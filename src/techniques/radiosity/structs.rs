@@ -11,9 +11,9 @@ shared_structs! {
         faces: uvec2,
         /// Device address of the [`Patch`]es.
         patches: uvec2,
-        /// Device address of a face for each primitive of each group, or [`NONE`] ...
+        /// Device address of a face for each primitive of each group, or [`NONE`].
         face_of: uvec2,
-        /// ... and of what is to be added to a primitive's index there, for each instance.
+        /// Device address of what is to be added to a primitive's index to find it in `face_of`, for each instance.
         face_base: uvec2,
         /// Device address of a patch for each cell of the faces.
         cells: uvec2,
