@@ -79,14 +79,14 @@ fn page() -> String {
     ]);
     for row in TECHNIQUES {
         let misses = row.misses.iter().map(|missing| missing.what());
-        let chance = row.by_chance.iter().map(|chance| chance.what());
+        let rare = row.rare.iter().map(|light| light.what());
         table.row(&[
             code(row.name),
             row.title.to_owned(),
             row.solves.what().to_owned(),
             bias(row),
             if row.misses.is_empty() { none() } else { all_of(misses) },
-            if row.by_chance.is_empty() { none() } else { all_of(chance) },
+            if row.rare.is_empty() { none() } else { all_of(rare) },
             shader(row.file),
         ]);
     }
@@ -164,8 +164,8 @@ fn about(row: &TechniqueRow) -> Vec<(&'static str, String)> {
     if !row.misses.is_empty() {
         lines.push(("misses", all_of(row.misses.iter().map(|missing| missing.what()))));
     }
-    if !row.by_chance.is_empty() {
-        lines.push(("rarely", all_of(row.by_chance.iter().map(|chance| chance.what()))));
+    if !row.rare.is_empty() {
+        lines.push(("rarely", all_of(row.rare.iter().map(|light| light.what()))));
     }
     lines.extend([("good at", row.good_at.to_owned()), ("bad at", row.bad_at.to_owned())]);
     lines.push(("measured", row.measured.replace('`', "")));

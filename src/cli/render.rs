@@ -20,7 +20,7 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::Scene;
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{Correlated, LONGEST, Missing, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
@@ -193,7 +193,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
-    if let (Some(light), Some(_), false) = (settings.technique.finds_by_chance(&scene), args.error, args.quiet) {
+    if let (Some(light), Some(_), false) = (settings.technique.finds_rarely(&scene), args.error, args.quiet) {
         eprintln!(
             "warning: {} finds {light} only with rare, bright samples: --error does not see those that have not come yet",
             settings.technique.row.name
@@ -201,7 +201,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
 
     let camera = scene.camera(settings.camera.as_deref())?.to_world.translation - scene.origin;
-    let shows = settings.technique.row.misses.contains(&Missing::Unshowable);
+    let shows = settings.technique.row.is_light_tracing();
     if shows && !args.quiet && scene.is_within_smooth_glass(camera) {
         eprintln!(
             "warning: the camera stands within smooth glass: {} shows it nothing that lies outside; valid is any other technique",

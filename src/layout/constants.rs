@@ -109,7 +109,8 @@ shared_constants! {
     pub const BIDIRECTIONAL_LENGTH = 16;
     /// Photons that are kept of one path; of a longer one they are a random choice.
     pub const PHOTONS_OF_PATH = 8;
-    /// Flag on `FrameConstants::word`: light of one more segment is added.
+    /// Flag on `FrameConstants::word` of radiosity, whose other bits are the rounds in which patches have passed light on before this one:
+    /// each round adds light of one more segment.
     pub const PREPARING_BIT = 0x8000_0000;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;

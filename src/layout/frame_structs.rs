@@ -14,7 +14,7 @@ shared_structs! {
         layers: uvec2,
         /// Device address of the one [`Tally`].
         tally: uvec2,
-        /// Device address of the technique's table: [`LightTable`](super::LightTable), `ChainTable` or `PatchTable`; 0 where it has none.
+        /// Device address of the technique's own table, whose struct its shaders know; 0 where it has none.
         technique: uvec2,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
@@ -26,8 +26,7 @@ shared_structs! {
         sample_count: uint,
         /// Seed of the random numbers.
         seed: uint,
-        /// The technique's own: the bits of the merge radius, or the rounds in which patches have passed light on before this one, with
-        /// [`PREPARING_BIT`] while each adds light of one more segment.
+        /// A word of the technique's own, whose meaning its state and its shaders agree on.
         word: uint,
     }
 

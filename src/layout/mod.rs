@@ -20,7 +20,6 @@ mod frame_structs;
 mod light_subpaths;
 mod lights;
 mod materials;
-mod patches;
 mod probes;
 mod scene_structs;
 mod scene_uniforms;
@@ -36,7 +35,6 @@ pub use light_subpaths::*;
 pub use lights::*;
 pub(crate) use macros::shared_structs;
 pub use materials::*;
-pub use patches::*;
 pub use probes::*;
 pub use scene_structs::*;
 pub use scene_uniforms::*;
@@ -50,7 +48,6 @@ pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
         scene_uniforms::STRUCTS,
         frame_structs::STRUCTS,
         light_subpaths::STRUCTS,
-        patches::STRUCTS,
         probes::STRUCTS,
     ];
     rooms.into_iter().flatten()

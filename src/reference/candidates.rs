@@ -19,7 +19,7 @@ pub struct Candidate {
 
 impl Candidate {
     fn new(technique: Technique, scene: &Scene, max_depth: Option<u32>) -> Self {
-        let by_chance = technique.finds_by_chance(scene);
+        let by_chance = technique.finds_rarely(scene);
         let is_consistent = technique.row.bias != Bias::Unbiased;
         Self { technique, max_depth, by_chance, is_consistent }
     }

@@ -31,7 +31,8 @@ pub use stream::StateStream;
 use table::families;
 pub(crate) use table::stages;
 pub use table::{
-    Bias, Chance, Correlated, Missing, Over, Parameter, Pass, Solves, TECHNIQUES, TechniqueRow, Values, find, structs,
+    Bias, Correlated, Missing, Over, Parameter, Pass, RareLight, Solves, TECHNIQUES, TechniqueRow, Values, find,
+    structs,
 };
 pub use technique::Technique;
 

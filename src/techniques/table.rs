@@ -52,11 +52,11 @@ families!(rows);
 pub enum Solves {
     /// Emission and light that was scattered once: paths of one and two segments.
     Direct,
-    /// Direct light as the camera sees it by way of any number of mirrors and smooth glass.
+    /// Emission and direct light, also as the camera sees them by way of any number of mirrors and smooth glass.
     Mirrored,
-    /// All of it between surfaces that are taken for diffuse.
+    /// Full light transport between surfaces, each of which is taken for diffuse.
     Diffuse,
-    /// All of it: the rendering equation.
+    /// Full light transport: the rendering equation.
     Everything,
 }
 
@@ -77,23 +77,25 @@ impl Solves {
 pub enum Bias {
     /// The expected image is the true one at any number of samples.
     Unbiased,
-    /// It is not, however many samples are taken; the text says what is missing.
+    /// The expected image differs from the true one at any number of samples; the text says what is missing.
     Biased(&'static str),
-    /// It is not at any number of samples, but becomes so as that grows; the text says what is wrong until then.
+    /// The expected image differs from the true one by what tends to 0 with the number of samples; the text says what is wrong until
+    /// then.
     Consistent(&'static str),
 }
 
 /// Light that a technique cannot find, however many samples are taken, in scenes that have it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Missing {
-    /// That of lights which no direction hits by chance.
+    /// All light of delta lights (point, spot, projector, directional), which no BSDF sample hits.
     DeltaLights,
-    /// What it becomes by way of mirrors and smooth glass.
+    /// Caustics of delta lights: their light by way of mirrors and smooth glass.
     DeltaCaustics,
-    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    /// Caustics of delta lights that the camera sees by way of mirrors and smooth glass in turn (SDS paths).
     HiddenDeltaCaustics,
-    /// What no vertex of a light subpath can be connected to the camera for.
-    Unshowable,
+    /// Light that no vertex of a light subpath can be connected to the camera for: the background as the camera sees it, and all that
+    /// the camera sees by way of mirrors and smooth glass.
+    NotConnectableToCamera,
 }
 
 impl Missing {
@@ -105,28 +107,28 @@ impl Missing {
             Self::HiddenDeltaCaustics => {
                 "caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors and smooth glass"
             }
-            Self::Unshowable => {
+            Self::NotConnectableToCamera => {
                 "the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"
             }
         }
     }
 }
 
-/// Light that a technique finds, but only where a direction or a connection that was not aimed at it meets it by chance. Its samples are
-/// rare and bright then, and a variance that is estimated before there were some says nothing of them.
+/// Light that a technique finds in rare, bright samples alone, where its next-event estimation or its connections cannot sample it and a
+/// BSDF sample must hit it. A variance that is estimated before such a sample came is too low.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Chance {
-    /// What small lights become by way of mirrors and smooth glass.
+pub enum RareLight {
+    /// Caustics of small lights: their light by way of mirrors and smooth glass.
     Caustics,
-    /// Of that, what the camera sees by way of mirrors and smooth glass in turn.
+    /// Caustics of small lights that the camera sees by way of mirrors and smooth glass in turn (SDS paths).
     HiddenCaustics,
-    /// What the camera sees by way of surfaces that are nearly smooth.
+    /// What the camera sees in surfaces that are nearly smooth.
     Reflections,
-    /// What glossy surfaces show of caustics.
+    /// Caustics of small lights that the camera sees in glossy surfaces.
     GlossyCaustics,
 }
 
-impl Chance {
+impl RareLight {
     /// What it is, in words.
     pub fn what(self) -> &'static str {
         match self {
@@ -143,22 +145,23 @@ impl Chance {
 pub enum Correlated {
     /// Nothing: all samples of all pixels are independent.
     Nothing,
-    /// Pixels of the same sample, which share light subpaths: the variance of a pixel's samples tells the pixel's error, but a mean over
-    /// pixels is off by more than theirs say.
+    /// The pixels of one sample, which share light subpaths: the variance of a pixel's samples tells the pixel's error, but a mean over
+    /// pixels is off by more than those variances say.
     Pixels,
-    /// Samples of the same pixel as well: their variance does not tell the error.
+    /// The pixels of one sample and the samples of one pixel: the variance of samples does not tell the error.
     Samples,
 }
 
 /// What a pass runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Over {
-    /// The pixels of the image, each with a run of samples; a part of them in each frame. One that comes after a pass over
-    /// anything else begins a stage: its first frame waits until that has seen what all frames left.
+    /// The pixels of the image, each with a run of samples; each frame takes a part of the pixels. A pass over pixels that comes after a
+    /// pass over anything else begins a stage: its first frame waits until the pass before has seen what all frames left.
     Pixels,
-    /// All pixels, once they have all had their run of samples.
+    /// All pixels, once all of them have had their run of samples.
     Image,
-    /// All elements of something that the technique keeps, likewise; its state says how many there are.
+    /// All elements of something that the technique keeps, once all pixels have had their run of samples; the technique's state says how
+    /// many elements there are.
     Elements,
     /// What a job goes over that the technique's state asks for, between samples of the image and in submissions of its own.
     Jobs,
@@ -226,8 +229,8 @@ pub struct TechniqueRow {
     pub tells_strategies: bool,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
-    /// What it finds only by chance in scenes that have it.
-    pub by_chance: &'static [Chance],
+    /// What it finds in rare, bright samples alone in scenes that have it.
+    pub rare: &'static [RareLight],
     /// Whether it may make and check references: its samples are independent, and no other row finds the same light in the same way and
     /// sooner.
     pub referee: bool,
@@ -235,7 +238,7 @@ pub struct TechniqueRow {
     pub good_at: &'static str,
     /// The light that another technique is better for, and what it costs.
     pub bad_at: &'static str,
-    /// A figure for both; README.md says from which measurements these are. Ratios are efficiencies, 1 / (relMSE x seconds).
+    /// A figure for both; docs/speed.md and docs/light_paths.md have the measurements. Ratios are efficiencies, 1 / (relMSE x seconds).
     pub measured: &'static str,
     /// In Spanish, for the page of the lecture: what it solves, its bias, what it is good and bad at.
     pub spanish: [&'static str; 4],
@@ -259,6 +262,11 @@ impl TechniqueRow {
     /// Whether all its subpaths begin at the camera, and nothing is kept between dispatches: it has the pass over pixels alone.
     pub fn is_unidirectional(&self) -> bool {
         self.passes == PIXELS
+    }
+
+    /// Whether all its subpaths begin at lights, and reach the image by connections to the camera.
+    pub fn is_light_tracing(&self) -> bool {
+        self.misses.contains(&Missing::NotConnectableToCamera)
     }
 
     /// Whether it merges camera subpaths with the vertices of light subpaths nearby.

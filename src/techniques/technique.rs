@@ -1,7 +1,7 @@
 //! A technique as it was chosen: a row of the table with values for its parameters.
 
 use super::table::{
-    Chance, Missing, Parameter, Pass, SHADER_PARAMETERS, Solves, TECHNIQUES, TechniqueRow, Values, find,
+    Missing, Parameter, Pass, RareLight, SHADER_PARAMETERS, Solves, TECHNIQUES, TechniqueRow, Values, find,
 };
 use crate::error::{Error, Result, one_of};
 use crate::scene::Scene;
@@ -94,7 +94,7 @@ impl Technique {
         let has = |missing: &Missing| match missing {
             Missing::DeltaLights => scene.has_delta_lights(),
             Missing::DeltaCaustics | Missing::HiddenDeltaCaustics => scene.has_delta_lights() && scene.has_smooth(),
-            Missing::Unshowable => scene.background.is_some() || scene.has_smooth(),
+            Missing::NotConnectableToCamera => scene.background.is_some() || scene.has_smooth(),
         };
         let by_value = self.row.parameters.iter().zip(&self.values).flat_map(|(parameter, value)| {
             parameter.misses.iter().filter(move |(with, _)| with == value).map(|(_, missing)| *missing)
@@ -103,14 +103,14 @@ impl Technique {
         (!all.is_empty()).then(|| all.join(", and "))
     }
 
-    /// What the technique finds only by chance in this scene, in words; nothing where it aims at all there is.
-    pub fn finds_by_chance(&self, scene: &Scene) -> Option<String> {
-        let has = |chance: &&Chance| match chance {
-            Chance::Caustics | Chance::HiddenCaustics => scene.has_specular() && scene.has_small_lights(),
-            Chance::Reflections => scene.has_specular(),
-            Chance::GlossyCaustics => scene.has_specular() && scene.has_small_lights() && scene.has_glossy(),
+    /// The light of this scene that the technique finds with rare, bright samples alone, in words; nothing where there is none.
+    pub fn finds_rarely(&self, scene: &Scene) -> Option<String> {
+        let has = |light: &&RareLight| match light {
+            RareLight::Caustics | RareLight::HiddenCaustics => scene.has_specular() && scene.has_small_lights(),
+            RareLight::Reflections => scene.has_specular(),
+            RareLight::GlossyCaustics => scene.has_specular() && scene.has_small_lights() && scene.has_glossy(),
         };
-        let all: Vec<&str> = self.row.by_chance.iter().filter(has).map(|chance| chance.what()).collect();
+        let all: Vec<&str> = self.row.rare.iter().filter(has).map(|light| light.what()).collect();
         (!all.is_empty()).then(|| all.join(", and "))
     }
 

@@ -139,13 +139,14 @@ impl<'a> Run<'a> {
         Probe::new(self.gpu, scene, &self.settings(scene, "path")?, &format!("test/{name}"))
     }
 
-    /// Unbiased techniques of independent pixels that this backend is to show. The furnace is every technique's; besides it, contributions of light subpaths
-    /// need no second backend, for they trace by the same functions, and `path-recursive` is `path` to the last bit (tests/recursion.rs).
+    /// Unbiased techniques of independent pixels that this backend is to show; in the short form `path`, and in the furnace `bdpt`. The
+    /// furnace is every technique's; besides it, contributions of light subpaths need no second backend, for they trace by the same functions,
+    /// and `path-recursive` is `path` to the last bit (tests/recursion.rs).
     pub(super) fn unbiased(&self) -> Vec<&'static TechniqueRow> {
         let (of_furnace, on_bvh) = (self.case == "furnace", self.backend == Backend::Bvh);
         let short = |row: &TechniqueRow| row.name == "path" || row.name == "bdpt" && on_bvh && of_furnace;
-        let camera = |row: &TechniqueRow| row.is_unidirectional();
-        let full = |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || camera(row));
+        let full =
+            |row: &TechniqueRow| of_furnace || row.name != "path-recursive" && (on_bvh || row.is_unidirectional());
         let fits = |row: &&TechniqueRow| if self.is_short() { short(row) } else { full(row) };
         let independent = |row: &&TechniqueRow| row.bias == Bias::Unbiased && row.correlated == Correlated::Nothing;
         TECHNIQUES.iter().filter(independent).filter(fits).collect()
@@ -155,7 +156,7 @@ impl<'a> Run<'a> {
     /// none of its paths come there.
     pub(super) fn thorough(&self, scene: &Scene) -> Vec<&'static str> {
         let rows = self.unbiased().into_iter();
-        rows.filter(|row| row.solves == Solves::Everything && row.name != "light")
+        rows.filter(|row| row.solves == Solves::Everything && !row.is_light_tracing())
             .map(|row| row.name)
             .filter(|name| finds_all(name, scene))
             .collect()
@@ -165,7 +166,7 @@ impl<'a> Run<'a> {
     /// radius, `vcm` also by merges alone. One backend is enough.
     pub(super) fn and_from_lights(&self, scene: &Scene) -> Vec<&'static str> {
         let asked = self.is_long() && self.backend == Backend::Bvh;
-        let rows = TECHNIQUES.iter().filter(|row| asked && (row.name == "light" || row.merges()));
+        let rows = TECHNIQUES.iter().filter(|row| asked && (row.is_light_tracing() || row.merges()));
         let merges = asked.then_some("vcm:form=bpm");
         rows.map(|row| row.name).chain(merges).filter(|name| finds_all(name, scene)).collect()
     }

@@ -143,7 +143,7 @@ impl Report {
 
 /// Why an error is at least as large as it is estimated to be; nothing where the estimate is to be trusted.
 fn doubt(estimate: &ErrorEstimate, technique: &Technique, scene: &Scene) -> Option<String> {
-    if let Some(light) = technique.finds_by_chance(scene) {
+    if let Some(light) = technique.finds_rarely(scene) {
         return Some(format!("{} finds {light} only with rare, bright samples", technique.row.name));
     }
     let share = 100.0 * estimate.worst_share;

@@ -60,6 +60,7 @@ impl TechniqueState for ConnectingAndMergingState {
         self.table.address()
     }
 
+    /// The bits of the merge radius.
     fn word(&self, sample: u32) -> u32 {
         self.radius.at(sample).to_bits()
     }

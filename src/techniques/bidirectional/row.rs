@@ -1,7 +1,7 @@
 //! The rows of bidirectional path tracing and of vertex connection and merging.
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Chance, Correlated, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass};
+use super::{Bias, Correlated, Missing, Over, Parameter, Pass, RESOLVE, RareLight, Solves, TechniqueRow, Values, pass};
 
 /// Traces light subpaths, splats their vertices and keeps them.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -29,7 +29,7 @@ pub const BDPT: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: true,
     misses: &[Missing::HiddenDeltaCaustics],
-    by_chance: &[Chance::HiddenCaustics],
+    rare: &[RareLight::HiddenCaustics],
     referee: true,
     good_at: "lamps in fittings, rooms lit by way of a wall, caustics seen directly",
     bad_at: "light that next-event estimation samples well, as a sample takes several times as long; caustics seen in mirrors",
@@ -56,7 +56,7 @@ pub const VCM: TechniqueRow = TechniqueRow {
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[],
+    rare: &[],
     referee: true,
     good_at: "all kinds of light in one image, caustics seen in mirrors and glossy surfaces included",
     bad_at: "light that next-event estimation samples well: its samples take the longest",

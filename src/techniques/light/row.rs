@@ -1,6 +1,6 @@
 //! The row of light tracing.
 
-use super::{Bias, Chance, Correlated, Missing, Over, Pass, RESOLVE, Solves, TechniqueRow, pass};
+use super::{Bias, Correlated, Missing, Over, Pass, RESOLVE, RareLight, Solves, TechniqueRow, pass};
 
 /// Traces light paths and splats their vertices.
 pub const PATHS: Pass = pass("paths", Over::Pixels);
@@ -16,8 +16,8 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     rr_depth: 5,
     correlated: Correlated::Nothing,
     tells_strategies: false,
-    misses: &[Missing::Unshowable],
-    by_chance: &[Chance::Reflections],
+    misses: &[Missing::NotConnectableToCamera],
+    rare: &[RareLight::Reflections],
     referee: true,
     good_at: "caustics on matte surfaces, which the camera sees directly",
     bad_at: "mirrors and glass, which stay black, and rooms of which the camera sees little",

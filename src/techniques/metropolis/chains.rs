@@ -43,7 +43,7 @@ const LEAST_ROOM: u64 = 1024;
 const FIXED: f64 = 0.2;
 /// Of the share [`FIXED`] of large steps, the part of the kind that samples no light: where that kind is what finds an image's light, few of
 /// its paths find any.
-const CHANCE: f64 = 0.25;
+const IMPLICIT: f64 = 0.25;
 
 /// The pass of the technique's form, which mutates paths.
 fn form(technique: &Technique) -> Pass {
@@ -72,8 +72,8 @@ struct ChainSize {
     layers: u64,
     /// Kinds of paths: by their length, or besides that what the camera's paths find, of whatever length.
     pub kinds: u64,
-    /// The one of these that meets light by chance alone.
-    by_chance: u64,
+    /// The kind whose camera subpaths hit lights without next-event estimation.
+    implicit: u64,
 }
 
 impl ChainSize {
@@ -91,7 +91,7 @@ impl ChainSize {
             },
             PATHS => {
                 let segments = depth.clamp(1, MOST_SEGMENTS);
-                Self { kinds: segments + 1, by_chance: segments, vertices: 2 * (segments + 1), ..Self::default() }
+                Self { kinds: segments + 1, implicit: segments, vertices: 2 * (segments + 1), ..Self::default() }
             }
             _ => Self { camera_blocks: blocks(MOST_VERTICES), kinds: 1, ..Self::default() },
         };
@@ -112,10 +112,10 @@ impl ChainSize {
 
     /// The probability that a bootstrap sample is of each kind.
     fn shares(&self) -> Vec<f64> {
-        let others = (1.0 - CHANCE) / (self.kinds - 1).max(1) as f64;
-        let share = |kind| match kind == self.by_chance {
+        let others = (1.0 - IMPLICIT) / (self.kinds - 1).max(1) as f64;
+        let share = |kind| match kind == self.implicit {
             true if self.kinds == 1 => 1.0,
-            true => CHANCE,
+            true => IMPLICIT,
             false => others,
         };
         (0..self.kinds).map(share).collect()
@@ -223,7 +223,7 @@ impl TechniqueState for Chains {
         let left = self.wanted - self.made;
         let room = if self.size.vertices > 0 { self.size.room } else { left };
         let (first, count) = (self.made as u32, self.pace.fits().min(left).min(room) as u32);
-        let about = format!("{count} candidates from {first}");
+        let about = format!("{count} bootstrap samples from {first}");
         (left > 0).then_some(Job { pass: self.pass, first, count, samples: 0, word: 0, about })
     }
 

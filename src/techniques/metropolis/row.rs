@@ -4,7 +4,7 @@
 pub mod structs;
 
 use super::{
-    Bias, Chance, Correlated, Missing, Over, Parameter, Pass, RESOLVE, Solves, TechniqueRow, Values, pass_with,
+    Bias, Correlated, Missing, Over, Parameter, Pass, RESOLVE, RareLight, Solves, TechniqueRow, Values, pass_with,
 };
 
 /// Mutates the random numbers of `path`.
@@ -74,7 +74,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
     correlated: Correlated::Samples,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[Chance::HiddenCaustics],
+    rare: &[RareLight::HiddenCaustics],
     referee: false,
     good_at: "rooms lit by way of a wall: a path that was hard to find leads to its neighbours",
     bad_at: "light that next-event estimation samples well, where correlated samples gain nothing; light that it cannot sample (SDS paths)",

@@ -1,6 +1,6 @@
 //! The rows of the path tracers: all paths begin at the camera, and nothing is kept from one sample to the next.
 
-use super::{Bias, Chance, Correlated, Missing, PIXELS, Parameter, Solves, TechniqueRow, Values};
+use super::{Bias, Correlated, Missing, PIXELS, Parameter, RareLight, Solves, TechniqueRow, Values};
 
 /// Direct lighting.
 pub const DIRECT: TechniqueRow = TechniqueRow {
@@ -14,7 +14,7 @@ pub const DIRECT: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[],
+    rare: &[],
     referee: true,
     good_at: "soft shadows, and to see each way of sampling them by itself",
     bad_at: "rooms: nothing in it has bounced twice",
@@ -46,7 +46,7 @@ pub const WHITTED: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[],
+    rare: &[],
     referee: true,
     good_at: "mirrors and clear glass under direct light: one sample follows all branches",
     bad_at: "light between matte surfaces, and what glass lets through to them: it has neither",
@@ -95,7 +95,7 @@ pub const PATH_IMPLICIT: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaLights],
-    by_chance: &[Chance::Caustics],
+    rare: &[RareLight::Caustics],
     referee: false,
     good_at: "lamps and skies so large that BSDF samples hit them; the shortest path tracer to read",
     bad_at: "small lamps, which BSDF samples seldom hit",
@@ -137,7 +137,7 @@ pub const PATH: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
-    by_chance: &[Chance::Caustics],
+    rare: &[RareLight::Caustics],
     referee: true,
     good_at: "most scenes: wherever next-event estimation samples the light",
     bad_at: "caustics, and lamps hidden in their fittings",
@@ -164,7 +164,7 @@ pub const PATH_RECURSIVE: TechniqueRow = TechniqueRow {
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
-    by_chance: &[Chance::Caustics],
+    rare: &[RareLight::Caustics],
     referee: false,
     good_at: "reading the rendering equation in the code",
     bad_at: "speed: what its calls wait for is kept in memory",

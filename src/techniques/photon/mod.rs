@@ -53,6 +53,7 @@ impl TechniqueState for PhotonMappingState {
         self.table.address()
     }
 
+    /// The bits of the merge radius.
     fn word(&self, sample: u32) -> u32 {
         self.radius.at(sample).to_bits()
     }

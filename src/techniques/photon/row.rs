@@ -4,7 +4,7 @@
 pub mod structs;
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Chance, Correlated, Over, Parameter, Pass, Solves, TechniqueRow, Values, pass};
+use super::{Bias, Correlated, Over, Parameter, Pass, RareLight, Solves, TechniqueRow, Values, pass};
 
 /// Traces light paths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -23,7 +23,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[Chance::GlossyCaustics],
+    rare: &[RareLight::GlossyCaustics],
     referee: true,
     good_at: "caustics, also as mirrors and glass show them",
     bad_at: "glossy surfaces, and light that next-event estimation samples well",

@@ -77,7 +77,7 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],
-    by_chance: &[],
+    rare: &[],
     referee: true,
     good_at: "rooms that are diffuse: all of their light from any side, without noise once it is solved",
     bad_at: "sharp shadows, which patches blur, and all that is not diffuse, which it treats as if it were",

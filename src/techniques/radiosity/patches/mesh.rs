@@ -3,8 +3,9 @@
 use std::collections::HashSet;
 
 use super::faces::Node;
-use crate::layout::{NONE, Patch, PatchFace};
+use crate::layout::NONE;
 use crate::scene::Scene;
+use crate::techniques::table::radiosity::structs::{Patch, PatchFace};
 
 /// Irradiance below this share of the mean counts as that share, where it is to be even.
 const DARK: f64 = 0.2;

@@ -9,8 +9,9 @@ mod mesh;
 mod vertices;
 
 use crate::error::{Error, Result};
-use crate::layout::{NONE, Patch, PatchFace, SURFACE_MASK};
+use crate::layout::{NONE, SURFACE_MASK};
 use crate::scene::Scene;
+use crate::techniques::table::radiosity::structs::{Patch, PatchFace};
 use faces::Face;
 pub use faces::Node;
 use mesh::BACKS;
