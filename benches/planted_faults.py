@@ -117,7 +117,7 @@ FAULTS = [
           "dot(d, d) < merge_radius()", "dot(d, d) < 0.97 * merge_radius()",
           "what is found lies within 3 % less area than it is divided by", ["merging::furnace"]),
     Fault("kept-share", "shaders/transport/light_subpath.glsl",
-          "max(float(met) / float(light_table.light_vertices), 1.0)", "max(float(met - 1u) / float(light_table.light_vertices), 1.0)",
+          "max(float(met) / float(light_subpaths.light_vertices), 1.0)", "max(float(met - 1u) / float(light_subpaths.light_vertices), 1.0)",
           "vertices that are kept do not stand for the last one that is not", ["merging::furnace"]),
     Fault("mlt-visits", "shaders/techniques/metropolis/chains.glsl",
           "weight *= probability * compression(f)", "weight *= 1.02 * probability * compression(f)",

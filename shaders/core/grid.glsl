@@ -1,6 +1,6 @@
 // A hashed grid of points: which of them lie within a radius of a place. Its cells are twice the radius wide, so that a ball meets
 // eight at most. The order of points within a cell, and of cells among the places, is left to chance.
-#include "core/light_table.glsl"
+#include "core/light_subpath_table.glsl"
 #include "core/rng.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridCells { uint taken; GridCell at[]; };
@@ -18,7 +18,7 @@ ivec3 grid_coordinates(vec3 position) { return ivec3(floor(grid_scaled(position)
 ivec3 grid_corner(vec3 position) { return ivec3(floor(grid_scaled(position) - 0.5)); }
 
 // Cells far apart may share an entry of the table: whoever reads one must look at the points' own coordinates.
-uint grid_index(ivec3 coordinates) { return pcg4d(uvec4(coordinates, 0)).x & (light_table.grid_cell_count - 1u); }
+uint grid_index(ivec3 coordinates) { return pcg4d(uvec4(coordinates, 0)).x & (light_subpaths.grid_cell_count - 1u); }
 
 // A search for the points of a sample around a place:
 //     GridSearch search = grid_search(position);
@@ -38,12 +38,12 @@ bool grid_next(inout GridSearch s) {
     while (s.at == s.end) {
         if (s.cell == 8u) return false;
         s.coordinates = grid_corner(s.position) + ivec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
-        GridCell cell = GridCells(light_table.grid_cells).at[grid_index(s.coordinates)];
+        GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(s.coordinates)];
         s.at = cell.first;
         s.end = cell.first + cell.count;
         s.cell += 1u;
     }
-    s.index = GridPlaces(light_table.grid_places).at[s.at];
+    s.index = GridPlaces(light_subpaths.grid_places).at[s.at];
     s.at += 1u;
     return true;
 }

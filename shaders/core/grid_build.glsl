@@ -1,10 +1,10 @@
 // The passes that fill the grid: cells are emptied, points counted, places allotted and filled. The points are the vertices that light
-// subpaths left: for each subpath their number, then room for `light_table.light_vertices` records that begin with a position.
+// subpaths left: for each subpath their number, then room for `light_subpaths.light_vertices` records that begin with a position.
 #include "core/grid.glsl"
 
 // A point's position; false where nothing was kept.
 bool grid_point(uint index, uint record_bytes, out vec3 position) {
-    uint path = index / light_table.light_vertices, place = index % light_table.light_vertices;
+    uint path = index / light_subpaths.light_vertices, place = index % light_subpaths.light_vertices;
     uint64_t first = pack64(light_path_address(uint64_t(path), record_bytes));
     position = vec3(0.0);
     if (place >= GridPlaces(unpack32(first)).at[0]) return false;
@@ -15,7 +15,7 @@ bool grid_point(uint index, uint record_bytes, out vec3 position) {
 void grid_build(uint record_bytes) {
     if (gl_GlobalInvocationID.x >= frame.slot_count) return;
     uint index = frame.first_slot + gl_GlobalInvocationID.x;
-    GridCells cells = GridCells(light_table.grid_cells);
+    GridCells cells = GridCells(light_subpaths.grid_cells);
 #if defined(PASS_GRID_CLEAR)
     cells.at[index].count = 0u;
     if (index == 0u) cells.taken = 0u;
@@ -30,7 +30,7 @@ void grid_build(uint record_bytes) {
     uint cell = grid_index(grid_coordinates(position));
     uint before = atomicAdd(cells.at[cell].count, 1u);
 #ifdef PASS_GRID_FILL
-    GridPlaces(light_table.grid_places).at[cells.at[cell].first + before] = index;
+    GridPlaces(light_subpaths.grid_places).at[cells.at[cell].first + before] = index;
 #endif
 #endif
 }

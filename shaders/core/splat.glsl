@@ -1,7 +1,7 @@
 // Contributions to any pixel from anywhere: 64-bit fixed-point sums, whose value does not depend on their order. One plane for each
 // sample of a dispatch; the pass `resolve` adds the planes to the film.
 #extension GL_EXT_shader_atomic_int64 : require
-#include "core/light_table.glsl"
+#include "core/light_subpath_table.glsl"
 #include "core/film.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
@@ -11,7 +11,7 @@ uint splat_layers() { return max(LENGTH_LAYERS, 1u); }
 Splat splat_of(uint pixel, uint sample_index, uint layer) {
     uint64_t plane = uint64_t(sample_index - frame.first_sample);
     uint64_t index = (plane * uint64_t(scene.width * scene.height) + uint64_t(pixel)) * uint64_t(splat_layers()) + uint64_t(layer);
-    return Splat(unpack32(pack64(light_table.splats) + uint64_t(FIXED_RGB_BYTES) * index));
+    return Splat(unpack32(pack64(light_subpaths.splats) + uint64_t(FIXED_RGB_BYTES) * index));
 }
 
 // Adds the contribution of a path of `length` segments to a pixel in this sample.

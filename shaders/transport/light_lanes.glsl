@@ -12,7 +12,7 @@ struct LightLane {
 bool light_open(out LightLane lane) {
     lane.pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
     lane.rays = 0u;
-    return lane.pixel.inside && lane.pixel.index < light_table.light_path_count;
+    return lane.pixel.inside && lane.pixel.index < light_subpaths.light_path_count;
 }
 
 bool light_has_next(LightLane lane) { return pixel_has_sample(lane.pixel); }

@@ -1,10 +1,10 @@
 // Paths from the lights. They are `Path`s like those from the camera, but carry power instead of importance: BSDFs take their
 // directions in reverse order, and shading normals and refraction need what Veach 1997, sections 5.2 and 5.3, derives.
-#include "core/light_table.glsl"
+#include "core/light_subpath_table.glsl"
 #include "transport/path.glsl"
 
 // Light paths in each sample of the image.
-float light_path_count() { return float(light_table.light_path_count); }
+float light_path_count() { return float(light_subpaths.light_path_count); }
 
 // Random numbers of a light path.
 Sampler light_path_random(uint index, uint sample_index) { return Sampler(index, sample_index, LIGHT_DIMENSION, frame.seed); }
@@ -75,10 +75,10 @@ LightView light_view(EmittedRay e, Sampler random) {
 // Where to keep a vertex of a path that has `met` as many before it; NONE is nowhere. Where there are more than there is room for, those
 // kept are a uniform choice of all so far (Vitter 1985, algorithm R), so that memory is bounded and no length of path is left out.
 uint keep_place(uint met, inout Sampler random) {
-    if (met < light_table.light_vertices) return met;
+    if (met < light_subpaths.light_vertices) return met;
     uint place = min(uint(next4(random).x * float(met + 1u)), met);
-    return place < light_table.light_vertices ? place : NONE;
+    return place < light_subpaths.light_vertices ? place : NONE;
 }
 
 // What each vertex that is kept of so many stands for.
-float kept_share(uint met) { return max(float(met) / float(light_table.light_vertices), 1.0); }
+float kept_share(uint met) { return max(float(met) / float(light_subpaths.light_vertices), 1.0); }

@@ -6,7 +6,7 @@ use super::types::{Member, SharedStruct, float, uint, uvec2, vec2, vec3};
 
 shared_structs! {
     /// What techniques with light subpaths or splats keep. Their tables begin with it.
-    pub struct LightTable {
+    pub struct LightSubpathTable {
         /// Device address of the splats: for each sample of a dispatch, pixel and layer three 64-bit integers in units of
         /// [`SceneUniforms::splat_unit`](super::SceneUniforms::splat_unit); layers are those by path length, or the one that is the image.
         splats: uvec2,

@@ -14,7 +14,7 @@ use super::spent;
 use super::{Renderer, Settings, memory};
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu, Work};
-use crate::layout::{FrameConstants, LightTable, WORKGROUP, address};
+use crate::layout::{FrameConstants, LightSubpathTable, WORKGROUP, address};
 use crate::scene::Scene;
 
 /// A kernel of `shaders/kernels/test` or `shaders/kernels/rays` with the scene that it runs on.
@@ -74,7 +74,7 @@ impl Probe {
     /// Runs one thread per element of `input`, each of which writes one element of the result.
     pub fn run<I: Pod, O: Pod>(&self, input: &[I]) -> Result<Vec<O>> {
         // One light subpath.
-        let table = LightTable { light_path_count: 1, ..LightTable::default() };
+        let table = LightSubpathTable { light_path_count: 1, ..LightSubpathTable::default() };
         let table = Buffer::with_data(&self.gpu, "probe table", &[table])?;
         self.run_with(input, address(table.address()))
     }

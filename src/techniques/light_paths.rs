@@ -5,7 +5,7 @@ use super::state::{FrameLimits, StateBytes};
 use super::stream::StateStream;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{LightTable, WORKGROUP, address};
+use crate::layout::{LightSubpathTable, WORKGROUP, address};
 
 const NAME: &str = "light paths";
 /// Bytes of light subpaths that more than the least frame may take.
@@ -70,7 +70,7 @@ impl LightPathStore {
     }
 
     /// Writes where they are.
-    pub fn describe(&self, table: &mut LightTable) {
+    pub fn describe(&self, table: &mut LightSubpathTable) {
         table.light_paths = address(self.buffer.address());
         table.light_vertices = self.size.vertices;
     }

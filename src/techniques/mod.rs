@@ -6,7 +6,7 @@
 //! `splat_planes`, `light_paths` and `merging`, or is its own.
 
 mod light_paths;
-mod light_table;
+mod light_subpath_table;
 mod merging;
 mod pace;
 mod sampler;

@@ -5,7 +5,7 @@ use super::state::{FrameLimits, StateBytes};
 use super::stream::StateStream;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{FIXED_RGB_BYTES, LightTable, address};
+use crate::layout::{FIXED_RGB_BYTES, LightSubpathTable, address};
 
 const NAME: &str = "splats";
 /// Bytes of splats that more than one sample per frame may take.
@@ -47,7 +47,7 @@ impl SplatPlanes {
     }
 
     /// Writes where they are.
-    pub fn describe(&self, table: &mut LightTable) {
+    pub fn describe(&self, table: &mut LightSubpathTable) {
         table.splats = address(self.buffer.address());
     }
 

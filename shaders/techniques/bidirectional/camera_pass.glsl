@@ -23,7 +23,7 @@ bool begin(inout Lane lane) {
 // ray is traced for them: along one of those, chosen in proportion to its weighted contribution, which stands for all (Talbot, Cline and Egbert
 // 2005, "Importance resampling for global illumination"). Layers of strategies have a ray for each. Rays come last, in turns of their own.
 void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, vec4 light_u, float u, inout Estimate e) {
-    uint index = pixel.index % light_table.light_path_count;
+    uint index = pixel.index % light_subpaths.light_path_count;
     uint t = path.depth + 2u, count = 0u;
     End end;
     end.u = light_u;
@@ -92,8 +92,8 @@ void add_merges(Path path, Vertex v, Bsdf b, SubpathMis m, inout Estimate e) {
     density_clear(sums);
     GridSearch search = grid_search(v.at.position);
     while (grid_next(search)) {
-        LightPath kept = light_path_at(uint64_t(search.index / light_table.light_vertices));
-        uint place = search.index % light_table.light_vertices;
+        LightPath kept = light_path_at(uint64_t(search.index / light_subpaths.light_vertices));
+        uint place = search.index % light_subpaths.light_vertices;
         if (!grid_found(search, kept.at[place].position)) continue;
         LightVertex y = kept.at[place];
         // Light arrives as densely as the geometric cosine says, the BSDF goes by the shading one.

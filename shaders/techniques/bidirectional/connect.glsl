@@ -9,7 +9,7 @@
 // The vertices of light subpath `index` of a sample. For a grid all subpaths of a sample are kept; else those of the frame's lanes alone, whose
 // pixels have the numbers of their subpaths.
 LightPath light_path_of(uint index, uint sample_index) {
-    if (light_table.grid_cell_count > 0u) return light_path_at(uint64_t(index));
+    if (light_subpaths.grid_cell_count > 0u) return light_path_at(uint64_t(index));
     return light_path_at(uint64_t(gl_GlobalInvocationID.x) * uint64_t(frame.sample_count) + uint64_t(sample_index - frame.first_sample));
 }
 

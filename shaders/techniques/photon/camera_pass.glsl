@@ -15,8 +15,8 @@ void add_photons(Path path, Vertex v, Bsdf b, inout Estimate e) {
     density_clear(sums);
     GridSearch search = grid_search(v.at.position);
     while (grid_next(search)) {
-        PhotonPath kept = photon_path(search.index / light_table.light_vertices);
-        uint place = search.index % light_table.light_vertices;
+        PhotonPath kept = photon_path(search.index / light_subpaths.light_vertices);
+        uint place = search.index % light_subpaths.light_vertices;
         if (!grid_found(search, kept.at[place].position)) continue;
         Photon y = kept.at[place];
         // Photons are as dense as the geometric cosine says, the BSDF goes by the shading one.

@@ -1,7 +1,7 @@
 //! What `bdpt` keeps: the light subpath of each camera subpath, and splats.
 
 use super::super::light_paths::{LightPathSize, LightPathStore};
-use super::super::light_table;
+use super::super::light_subpath_table;
 use super::super::settings::Settings;
 use super::super::splat_planes::SplatPlanes;
 use super::super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
@@ -28,14 +28,14 @@ fn light_paths(settings: &Settings) -> LightPathSize {
 impl StateKind for Connecting {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
         let splats = SplatPlanes::bytes(settings, SplatPlanes::several(settings));
-        Ok(vec![light_table::bytes(), splats, light_paths(settings).bytes()])
+        Ok(vec![light_subpath_table::bytes(), splats, light_paths(settings).bytes()])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let settings = context.settings;
         let splats = SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?;
         let light_paths = LightPathStore::new(context.gpu, light_paths(settings))?;
-        let table = light_table::upload(context.gpu, |table| {
+        let table = light_subpath_table::upload(context.gpu, |table| {
             splats.describe(table);
             light_paths.describe(table);
             table.light_path_count = settings.pixels() as u32;

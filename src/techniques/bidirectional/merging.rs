@@ -1,7 +1,7 @@
 //! What `vcm` keeps: all light subpaths of a sample, a grid to find their vertices in, the merge radius, and splats.
 
 use super::super::light_paths::{LightPathSize, LightPathStore};
-use super::super::light_table;
+use super::super::light_subpath_table;
 use super::super::merging::{Grid, MergeRadius, MergeSchedule, merged_vertices};
 use super::super::settings::Settings;
 use super::super::splat_planes::SplatPlanes;
@@ -28,7 +28,7 @@ impl StateKind for ConnectingAndMerging {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
         let light_paths = light_paths(settings);
         let [cells, places] = Grid::bytes(light_paths);
-        Ok(vec![light_table::bytes(), SplatPlanes::bytes(settings, PLANES), light_paths.bytes(), cells, places])
+        Ok(vec![light_subpath_table::bytes(), SplatPlanes::bytes(settings, PLANES), light_paths.bytes(), cells, places])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
@@ -36,7 +36,7 @@ impl StateKind for ConnectingAndMerging {
         let splats = SplatPlanes::new(gpu, settings, PLANES)?;
         let light_paths = LightPathStore::new(gpu, size)?;
         let grid = Grid::new(gpu, size)?;
-        let table = light_table::upload(gpu, |table| {
+        let table = light_subpath_table::upload(gpu, |table| {
             splats.describe(table);
             light_paths.describe(table);
             grid.describe(table);

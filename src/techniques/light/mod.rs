@@ -1,6 +1,6 @@
 //! Light tracing: its samples reach pixels as splats.
 
-use super::light_table;
+use super::light_subpath_table;
 use super::settings::Settings;
 use super::splat_planes::SplatPlanes;
 use super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
@@ -14,13 +14,13 @@ pub(super) struct LightTracing;
 
 impl StateKind for LightTracing {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
-        Ok(vec![light_table::bytes(), SplatPlanes::bytes(settings, SplatPlanes::several(settings))])
+        Ok(vec![light_subpath_table::bytes(), SplatPlanes::bytes(settings, SplatPlanes::several(settings))])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let settings = context.settings;
         let splats = SplatPlanes::new(context.gpu, settings, SplatPlanes::several(settings))?;
-        let table = light_table::upload(context.gpu, |table| {
+        let table = light_subpath_table::upload(context.gpu, |table| {
             splats.describe(table);
             table.light_path_count = settings.pixels() as u32;
         })?;

@@ -7,7 +7,7 @@ use super::super::table::Pass;
 use super::super::table::merging::{GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL};
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{GridCell, LightTable, address};
+use crate::layout::{GridCell, LightSubpathTable, address};
 
 const CELLS: &str = "grid cells";
 const PLACES: &str = "grid places";
@@ -65,7 +65,7 @@ impl Grid {
     }
 
     /// Writes where it is.
-    pub fn describe(&self, table: &mut LightTable) {
+    pub fn describe(&self, table: &mut LightSubpathTable) {
         table.grid_cells = address(self.cells.address());
         table.grid_places = address(self.places.address());
         table.grid_cell_count = self.cell_count;

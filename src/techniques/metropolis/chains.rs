@@ -23,7 +23,7 @@ use super::super::table::metropolis::{BOOTSTRAP_SAMPLES, BOUND, CHAINS, MULTIPLE
 use super::super::technique::Technique;
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{BIDIRECTIONAL_LENGTH, LightTable, NONE, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address};
+use crate::layout::{BIDIRECTIONAL_LENGTH, LightSubpathTable, NONE, VEC3_BYTES, VEC4_BYTES, WORKGROUP, address};
 use crate::scene::Scene;
 use crate::statistics::Estimate;
 use crate::techniques::table::metropolis::structs::{BootstrapSample, Chain, ChainTable, PathVertex};
@@ -395,7 +395,7 @@ impl Chains {
         }
         self.kinds_shares.upload(bytemuck::cast_slice(&cumulative))?;
         let size = &self.size;
-        let mut light = LightTable { light_path_count: self.paths_of_sample, ..LightTable::default() };
+        let mut light = LightSubpathTable { light_path_count: self.paths_of_sample, ..LightSubpathTable::default() };
         self.splats.describe(&mut light);
         let table = ChainTable {
             light,

@@ -1,12 +1,12 @@
 //! The structs that the host shares with the shaders of Metropolis light transport alone.
 
-use crate::layout::{LightTable, Member, SharedStruct, float, shared_structs, uint, uvec2, uvec3, vec2, vec3};
+use crate::layout::{LightSubpathTable, Member, SharedStruct, float, shared_structs, uint, uvec2, uvec3, vec2, vec3};
 
 shared_structs! {
     /// The Markov chains of a rendering: how many there are, and where they lie.
     pub struct ChainTable {
         /// Where chains splat, and the number of pixels, those of the border included, that their positions are uniform over.
-        light: LightTable,
+        light: LightSubpathTable,
         /// Device address of the [`BootstrapSample`]s.
         bootstrap: uvec2,
         /// Device address of the [`Chain`]s.

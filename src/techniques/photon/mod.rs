@@ -1,7 +1,7 @@
 //! Progressive photon mapping: the photons of one sample, and a grid to find them in.
 
 use super::light_paths::{LightPathSize, LightPathStore};
-use super::light_table;
+use super::light_subpath_table;
 use super::merging::{Grid, MergeRadius, MergeSchedule, merged_vertices};
 use super::settings::Settings;
 use super::state::{Context, FrameLimits, StateBytes, StateKind, TechniqueState};
@@ -24,14 +24,14 @@ impl StateKind for PhotonMapping {
     fn bytes(&self, _: &Scene, settings: &Settings) -> Result<Vec<StateBytes>> {
         let light_paths = light_paths(settings);
         let [cells, places] = Grid::bytes(light_paths);
-        Ok(vec![light_table::bytes(), light_paths.bytes(), cells, places])
+        Ok(vec![light_subpath_table::bytes(), light_paths.bytes(), cells, places])
     }
 
     fn make(&self, context: &Context) -> Result<Box<dyn TechniqueState>> {
         let size = light_paths(context.settings);
         let light_paths = LightPathStore::new(context.gpu, size)?;
         let grid = Grid::new(context.gpu, size)?;
-        let table = light_table::upload(context.gpu, |table| {
+        let table = light_subpath_table::upload(context.gpu, |table| {
             light_paths.describe(table);
             grid.describe(table);
             table.light_path_count = size.paths as u32;
