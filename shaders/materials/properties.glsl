@@ -47,7 +47,7 @@ void multiply_property(inout Bsdf b, uint property, vec4 value, float channel) {
             if (HAS_PLASTIC || HAS_ROUGH_PLASTIC) b.plastic.specular *= value.rgb;
             break;
         case PROPERTY_ROUGHNESS: {
-            bool perceptual = b.m.kind == MATERIAL_PRINCIPLED || b.m.kind == MATERIAL_LAYERED;
+            bool perceptual = ROUGHNESS_IS_PERCEPTUAL(b);
             b.m.alpha_u = max(b.m.alpha_u * channel, perceptual ? 0.0 : 1e-4);
             b.m.alpha_v = max(b.m.alpha_v * channel, perceptual ? 0.0 : 1e-4);
             break;

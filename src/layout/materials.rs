@@ -15,6 +15,12 @@ pub enum Trait {
     SomeDelta,
     /// Its samples are left open: weight and density are evaluated by whoever samples it.
     OpenSamples,
+    /// It has a lobe whose width is the [`super::Material`]'s `alpha_u` and `alpha_v`.
+    Rough,
+    /// These two hold perceptual roughness, the root of alpha, which may be 0.
+    PerceptualRoughness,
+    /// It has two lobes, a delta among them, between which the third of a sample's random numbers decides: `whitted` follows both.
+    TwoLobes,
     /// Its functions are long to compile: kernels hold each of them once where they can.
     LongToCompile,
 }
@@ -84,21 +90,24 @@ materials! {
     /// A mirror of metal.
     MATERIAL_CONDUCTOR HAS_CONDUCTOR, "conductor" = conductor() [AllDelta];
     /// A rough metal (GGX).
-    MATERIAL_ROUGH_CONDUCTOR HAS_ROUGH_CONDUCTOR, "rough conductor" = rough_conductor() [LongToCompile];
+    MATERIAL_ROUGH_CONDUCTOR HAS_ROUGH_CONDUCTOR, "rough conductor" = rough_conductor() [Rough, LongToCompile];
     /// Smooth glass.
-    MATERIAL_DIELECTRIC HAS_DIELECTRIC, "dielectric" = dielectric() [AllDelta];
+    MATERIAL_DIELECTRIC HAS_DIELECTRIC, "dielectric" = dielectric() [AllDelta, TwoLobes];
     /// Rough glass (GGX).
-    MATERIAL_ROUGH_DIELECTRIC HAS_ROUGH_DIELECTRIC, "rough dielectric" = rough_dielectric() [LongToCompile];
+    MATERIAL_ROUGH_DIELECTRIC HAS_ROUGH_DIELECTRIC, "rough dielectric" = rough_dielectric() [Rough, LongToCompile];
     /// A thin sheet of glass, met once.
-    MATERIAL_THIN_DIELECTRIC HAS_THIN_DIELECTRIC, "thin dielectric" = thin_dielectric() [AllDelta];
+    MATERIAL_THIN_DIELECTRIC HAS_THIN_DIELECTRIC, "thin dielectric" = thin_dielectric() [AllDelta, TwoLobes];
     /// A diffuse base under a smooth coating.
-    MATERIAL_PLASTIC HAS_PLASTIC, "plastic" = plastic(Plastic plastic) [SomeDelta];
+    MATERIAL_PLASTIC HAS_PLASTIC, "plastic" = plastic(Plastic plastic) [SomeDelta, TwoLobes];
     /// A diffuse base under a rough coating (GGX).
-    MATERIAL_ROUGH_PLASTIC HAS_ROUGH_PLASTIC, "rough plastic" = rough_plastic(Plastic plastic) [OpenSamples, LongToCompile];
+    MATERIAL_ROUGH_PLASTIC HAS_ROUGH_PLASTIC, "rough plastic" = rough_plastic(Plastic plastic)
+        [Rough, OpenSamples, LongToCompile];
     /// Burley's principled BSDF.
-    MATERIAL_PRINCIPLED HAS_PRINCIPLED, "principled" = principled(Principled principled) [OpenSamples, LongToCompile];
+    MATERIAL_PRINCIPLED HAS_PRINCIPLED, "principled" = principled(Principled principled)
+        [Rough, PerceptualRoughness, OpenSamples, LongToCompile];
     /// The layered material of glTF.
-    MATERIAL_LAYERED HAS_LAYERED, "layered (glTF)" = layered(Layered layered) [OpenSamples, LongToCompile];
+    MATERIAL_LAYERED HAS_LAYERED, "layered (glTF)" = layered(Layered layered)
+        [Rough, PerceptualRoughness, OpenSamples, LongToCompile];
     /// One of two materials, by chance.
     MATERIAL_BLEND HAS_BLENDS, "blends";
 }
@@ -158,10 +167,18 @@ pub fn materials_glsl() -> String {
     branches("Samples b.", "SAMPLE_BSDF(s, b, wo, u)", "s", "sample", "wo, u", true);
     branches("f |cos_i| of the non-delta lobes of b.", "EVALUATE_BSDF(f, b, wo, wi)", "f", "eval", "wo, wi", false);
     branches("Density of the non-delta lobes of b.", "BSDF_DENSITY(pdf, b, wo, wi)", "pdf", "pdf", "wo, wi", false);
-    text += &format!(
-        "\n\n// Whether every lobe of b is a delta.\n#define ALL_LOBES_ARE_DELTA(b) ({})\n",
-        either(with(Trait::AllDelta).map(is).collect())
-    );
+    text.push('\n');
+    for (about, name, wanted) in [
+        ("Whether every lobe of b is a delta.", "ALL_LOBES_ARE_DELTA", Trait::AllDelta),
+        (
+            "Whether b's alpha_u and alpha_v are perceptual roughness.",
+            "ROUGHNESS_IS_PERCEPTUAL",
+            Trait::PerceptualRoughness,
+        ),
+        ("Whether u.z decides between two lobes of b, a delta among them.", "HAS_TWO_LOBES", Trait::TwoLobes),
+    ] {
+        text += &format!("\n// {about}\n#define {name}(b) ({})\n", either(with(wanted).map(is).collect()));
+    }
     for (about, name, wanted) in [
         ("Some material is long to compile.", "HAS_LONG_MATERIAL", Trait::LongToCompile),
         ("Some sample is left open.", "HAS_OPEN_SAMPLES", Trait::OpenSamples),

@@ -30,9 +30,8 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_ROUGH_CONDUCTOR,
-    MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIALS, Material, MaterialKind, NONE, Primitive,
-    SURFACE_MASK, Trait, scene_arrays,
+    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIALS, Material,
+    MaterialKind, NONE, Primitive, SURFACE_MASK, Trait, scene_arrays,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -202,29 +201,24 @@ impl Scene {
     /// Whether some material is rough, and somewhere less so than this alpha.
     fn has_rough_below(&self, limit: f32) -> bool {
         let is_below = |material: &Material| {
+            let kind = &MATERIALS[material.kind as usize];
             let textures = self.material_textures.get(material.textures as usize);
             let textured = textures.is_some_and(|own| own.roughness != NONE);
-            let alpha = material.alpha_u.min(material.alpha_v);
-            let detail = material.detail as usize;
-            // The roughness of the last two is perceptual, the root of alpha; a clear coat is there to be smooth.
-            match material.kind {
-                MATERIAL_ROUGH_CONDUCTOR | MATERIAL_ROUGH_DIELECTRIC | MATERIAL_ROUGH_PLASTIC => {
-                    textured || alpha < limit
-                }
-                MATERIAL_PRINCIPLED => {
-                    textured
-                        || alpha * alpha < limit
-                        || self.principleds.get(detail).is_some_and(|own| own.clearcoat > 0.0)
-                }
-                MATERIAL_LAYERED => {
-                    textured
-                        || alpha * alpha < limit
-                        || self.layereds.get(detail).is_some_and(|own| own.clearcoat > 0.0)
-                }
-                _ => false,
-            }
+            let least = material.alpha_u.min(material.alpha_v);
+            let alpha = if kind.has(Trait::PerceptualRoughness) { least * least } else { least };
+            kind.has(Trait::Rough) && (textured || alpha < limit || self.has_clear_coat(material))
         };
         self.materials.iter().any(is_below)
+    }
+
+    /// Whether a material has a clear coat, which is there to be smooth.
+    fn has_clear_coat(&self, material: &Material) -> bool {
+        let detail = material.detail as usize;
+        match material.kind {
+            MATERIAL_PRINCIPLED => self.principleds.get(detail).is_some_and(|own| own.clearcoat > 0.0),
+            MATERIAL_LAYERED => self.layereds.get(detail).is_some_and(|own| own.clearcoat > 0.0),
+            _ => false, // the parameters of the others have none
+        }
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.

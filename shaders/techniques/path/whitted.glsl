@@ -50,11 +50,6 @@ void lobes(Path path, Vertex v, Bsdf b, vec2 u, out BsdfSample first, out BsdfSa
     second.weight *= first.wi != second.wi ? second.pdf_w : 0.0;
 }
 
-bool has_two_lobes(Bsdf b) {
-    return is_kind(b, HAS_DIELECTRIC, MATERIAL_DIELECTRIC) || is_kind(b, HAS_THIN_DIELECTRIC, MATERIAL_THIN_DIELECTRIC) ||
-           is_kind(b, HAS_PLASTIC, MATERIAL_PLASTIC);
-}
-
 bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
     if (!s.delta) return false;
     path_scatter(path, v, b, s);
@@ -84,7 +79,7 @@ bool branch_extend(inout Path path, inout Estimate e) {
     if (!bsdf_is_delta(b)) connect_lights(path, v, b, e);
 
     vec4 u = next4(path.random);
-    if (BRANCHES == BRANCHES_ONE || waiting == ROOM || !has_two_lobes(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
+    if (BRANCHES == BRANCHES_ONE || waiting == ROOM || !HAS_TWO_LOBES(b)) return goes_on(path, v, b, vertex_sample(v, b, path.ray, u.xyz), u.w);
     BsdfSample first, second;
     lobes(path, v, b, u.xy, first, second);
     Path other = path;
