@@ -25,6 +25,8 @@ const INLINE_WORTHWHILE: u64 = 1 << 20;
 
 /// A scene on the device. What the scene has none of is not allocated.
 pub struct DeviceScene {
+    /// What the kernels that read it model of the scene.
+    pub(super) needs: Needs,
     /// The uniform buffer.
     pub(super) uniforms: Buffer,
     /// The driver's acceleration structure (`ray-query`).
@@ -157,6 +159,7 @@ impl DeviceScene {
         append_table(&mut block, &scene.materials, UNIFORM_MATERIALS);
         append_table(&mut block, &scene.lights, UNIFORM_LIGHTS);
         Ok(Self {
+            needs,
             uniforms: Buffer::with_data(gpu, "scene uniforms", &block)?,
             tlas: built.tlas,
             stack_size: built.stack_size,

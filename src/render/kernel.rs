@@ -6,7 +6,7 @@ use super::device_scene::DeviceScene;
 use crate::error::Result;
 use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
 use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
-use crate::scene::Scene;
+use crate::scene::{Needs, Scene};
 use crate::techniques::{Pass, Sampler, Settings};
 
 /// A pipeline, specialised to a scene, and the scene on the device.
@@ -27,9 +27,26 @@ impl Kernel {
         name: &str,
         device_scene: Arc<DeviceScene>,
     ) -> Result<Self> {
+        let constants = Self::constants(gpu, scene, settings, &device_scene)?;
+        Self::with_constants(gpu, settings, name, constants, device_scene)
+    }
+
+    /// The values of the specialisation constants that all modules of a rendering get.
+    fn constants(gpu: &Gpu, scene: &Scene, settings: &Settings, on_device: &DeviceScene) -> Result<Constants> {
+        let needs = on_device.needs;
+        constants(scene, settings, needs, gpu.survey().kind, on_device.stack_size, &on_device.inline)
+    }
+
+    fn with_constants(
+        gpu: &Gpu,
+        settings: &Settings,
+        name: &str,
+        constants: Constants,
+        device_scene: Arc<DeviceScene>,
+    ) -> Result<Self> {
         let made_of = gpu::Kernel {
             module: name.to_owned(),
-            constants: constants(scene, settings, gpu.survey().kind, device_scene.stack_size, &device_scene.inline)?,
+            constants,
             driver_specialises: settings.driver_specialises,
             arithmetic: settings.arithmetic,
         };
@@ -46,7 +63,9 @@ impl Kernel {
         device_scene: &Arc<DeviceScene>,
     ) -> Result<Vec<Self>> {
         use rayon::prelude::*;
-        names.par_iter().map(|name| Self::new(gpu, scene, settings, name, device_scene.clone())).collect()
+        let constants = Self::constants(gpu, scene, settings, device_scene)?;
+        let make = |name: &String| Self::with_constants(gpu, settings, name, constants.clone(), device_scene.clone());
+        names.par_iter().map(make).collect()
     }
 
     fn make(gpu: &Gpu, kernel: &gpu::Kernel, scene: &DeviceScene) -> Result<(Pipeline, Bindings)> {
@@ -82,18 +101,19 @@ pub struct KernelSize {
     pub of: usize,
 }
 
-/// The values of all specialisation constants, as (id, bits). `stack_size` is in entries of the traversal stack; `inline` are the triangles that
+/// The values of all specialisation constants, as (id, bits). `needs` is what the kernel models of the scene; `stack_size` is in entries of the traversal stack; `inline` are the triangles that
 /// the kernel holds as constants.
 fn constants(
     scene: &Scene,
     settings: &Settings,
+    needs: Needs,
     device: DeviceKind,
     stack_size: u32,
     inline: &[Primitive],
 ) -> Result<Constants> {
     let [param0, param1, param2, param3] = settings.technique.words();
     let special = Specialisation {
-        needs: settings.needs(scene),
+        needs,
         camera: settings.image_plane(scene)?.kind,
         length_layers: settings.layers(),
         strategies: settings.strategies.is_some(),
@@ -127,7 +147,7 @@ pub(super) fn module_names(settings: &Settings) -> Vec<String> {
 /// The modules of a rendering's passes and the values of their specialisation constants, as (id, bits), as they are for a device of this kind.
 /// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left.
 pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Constants)> {
-    Ok((module_names(settings), constants(scene, settings, device, 1, &[])?))
+    Ok((module_names(settings), constants(scene, settings, settings.needs(scene), device, 1, &[])?))
 }
 
 /// How much of each of these modules is left, found without a device.

@@ -11,7 +11,7 @@ use crate::layout::{
     self, ARRAY_NAMES, BAD_SAMPLES, FilmPixel, Light, Material, NODE_BYTES, RAY_COUNTERS, SceneUniforms, Surface,
     UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, VEC3_BYTES,
 };
-use crate::scene::{Filter, Scene};
+use crate::scene::{Filter, Needs, Scene};
 use crate::techniques::Settings;
 
 /// Bytes of one pixel of one layer by path length: two sums of three floats.
@@ -73,9 +73,10 @@ impl Prediction {
     }
 
     fn with_scene(mut table: Table, scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Self> {
+        let needs = settings.needs(scene);
         let (required, peak) = match settings.backend {
             Backend::Bvh => {
-                table.bvh(scene, settings);
+                table.bvh(scene, &needs);
                 (0, 0)
             }
             Backend::RayQuery => {
@@ -85,7 +86,7 @@ impl Prediction {
                 table.ray_query(gpu, scene)?
             }
         };
-        table.arrays(scene, settings);
+        table.arrays(scene, settings, &needs);
         let mut parts = table.0;
         parts.retain(|part| part.bytes > 0);
         parts.sort_by(|a, b| b.bytes.cmp(&a.bytes).then(a.name.cmp(b.name)));
@@ -249,9 +250,8 @@ impl Table {
         self.add("tally", TALLY_BYTES, true);
     }
 
-    fn arrays(&mut self, scene: &Scene, settings: &Settings) {
-        let needs = settings.needs(scene);
-        let whole = scene.arrays(&needs).into_iter().map(|array| (array.name, array.bytes));
+    fn arrays(&mut self, scene: &Scene, settings: &Settings, needs: &Needs) {
+        let whole = scene.arrays(needs).into_iter().map(|array| (array.name, array.bytes));
         for (name, bytes) in whole.chain(scene.changed_arrays()) {
             self.list(name, bytes);
         }
@@ -268,10 +268,10 @@ impl Table {
         self.add("uniforms", (size_of::<SceneUniforms>() + tables) as u64, true);
     }
 
-    fn bvh(&mut self, scene: &Scene, settings: &Settings) {
+    fn bvh(&mut self, scene: &Scene, needs: &Needs) {
         let groups: u64 = scene.groups.iter().map(|group| estimated_nodes(group.primitives().len() as u64)).sum();
         let mut nodes = groups;
-        if settings.needs(scene).instances {
+        if needs.instances {
             let count = scene.instances.len() as u64;
             nodes += estimated_nodes(count);
             self.add(ARRAY_NAMES.instances, count * size_of::<layout::Instance>() as u64, true);

@@ -87,6 +87,7 @@ impl Report {
         let render = took.render.max(1e-9);
         let estimate = film.error_estimate();
         let report = renderer.report()?;
+        let needs = Needs::of(scene);
         Ok(Self {
             schema: "lumbre-render-1",
             scene: scene.source.display().to_string(),
@@ -102,8 +103,8 @@ impl Report {
             rr_depth: settings.rr_depth,
             filter: format!("{:?}", settings.filter),
             sampler: settings.sampler.name(),
-            energy_compensation: Needs::of(scene).energy_compensation,
-            mip_maps: Needs::of(scene).mip_maps,
+            energy_compensation: needs.energy_compensation,
+            mip_maps: needs.mip_maps,
             rays: renderer.rays(),
             seconds: Seconds {
                 load,
