@@ -1,29 +1,39 @@
 //! The folders of `src/`: each knows those below it, and none knows one above (docs/architecture.md).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The Rust files below a folder.
-fn files(folder: &Path, found: &mut Vec<String>) {
+/// The Rust files below a folder, with the depth of each one's module below the root of the crate: 1 of a folder's `mod.rs`.
+fn files(folder: &Path, depth: usize, found: &mut Vec<(usize, PathBuf)>) {
     for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if entry.is_dir() {
-            files(&entry, found);
+            files(&entry, depth + 1, found);
         } else if entry.extension().is_some_and(|extension| extension == "rs") {
-            found.push(std::fs::read_to_string(entry).unwrap());
+            found.push((depth + usize::from(!entry.ends_with("mod.rs")), entry));
         }
     }
 }
 
-/// The folders that a file names by paths from the root of the crate, comments and its unit tests aside.
-fn named(text: &str) -> BTreeSet<String> {
+/// The folders that a file names by paths from the root of the crate, comments and its unit tests aside. Fails where it names some in other
+/// ways: in braces behind the root, or by as many `super::` as lead to the root.
+fn named(file: &Path, depth: usize) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(file).unwrap();
     let code: Vec<&str> = text
-        .split("\n#[cfg(test)]")
+        .split("\nmod tests {")
         .next()
         .unwrap_or_default()
         .lines()
         .map(|line| line.split("//").next().unwrap_or_default())
         .collect();
     let code = code.join("\n");
+    let up = "super::".repeat(depth);
+    for hidden in ["crate::{", "lumbre::{", &up] {
+        assert!(
+            !code.contains(hidden),
+            "{} names folders by {hidden}, where this test does not see them",
+            file.display()
+        );
+    }
     let paths = ["crate::", "lumbre::"].into_iter().flat_map(|root| code.split(root).skip(1).collect::<Vec<_>>());
     let first = |path: &str| path.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
     paths.map(first).collect()
@@ -50,9 +60,9 @@ fn folders_know_only_those_below() {
     let uses: BTreeMap<String, BTreeSet<String>> = folders
         .iter()
         .map(|folder| {
-            let mut texts = Vec::new();
-            files(&src.join(folder), &mut texts);
-            let mut used: BTreeSet<String> = texts.iter().flat_map(|text| named(text)).collect();
+            let mut all = Vec::new();
+            files(&src.join(folder), 1, &mut all);
+            let mut used: BTreeSet<String> = all.iter().flat_map(|(depth, file)| named(file, *depth)).collect();
             used.retain(|name| folders.contains(name) && name != folder);
             (folder.clone(), used)
         })
