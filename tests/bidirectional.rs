@@ -132,7 +132,7 @@ fn normals_and_units() {
     verify(&["shading-normals", "units"]);
 }
 
-/// Lenses and parallel rays see light paths as their own paths see the scene; so do filters wider than a pixel, and negative ones.
+/// Lenses and parallel rays see light subpaths as their own paths see the scene; so do filters wider than a pixel, and negative ones.
 #[test]
 fn every_camera_and_filter() {
     let sensors = [

@@ -1,4 +1,4 @@
-//! What finds vertices of light paths by a radius, photon mapping and vertex merging: the error vanishes with the number of samples,
+//! What finds vertices of light subpaths by a radius, photon mapping and vertex merging: the error vanishes with the number of samples,
 //! nothing is counted twice or missed, and no order of photons or frames changes a bit.
 
 use crate::common::room::{LAMP, material_pairs, room, scene};

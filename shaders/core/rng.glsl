@@ -1,7 +1,7 @@
 // Counter-based uniform numbers: a pure function of (seed, pixel, sample, dimension), so that frame size, order and
 // backend change nothing. A technique that defines SAMPLER_OF_CHAINS takes them from techniques/metropolis/numbers.glsl instead.
 
-// Random numbers of light paths begin here: no path from the camera comes so far.
+// Random numbers of light subpaths begin here: no path from the camera comes so far.
 const uint LIGHT_DIMENSION = 0x10000u;
 
 // Jarzynski and Olano 2020, "Hash functions for GPU rendering", pcg4d.

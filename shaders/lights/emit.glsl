@@ -1,4 +1,4 @@
-// The beginning of a light path: a point and a direction, chosen in proportion to what is emitted as far as that is cheap.
+// The beginning of a light subpath: a point and a direction, chosen in proportion to what is emitted as far as that is cheap.
 
 struct EmittedRay {
     vec3 origin;    // moved off the light's own surface
@@ -51,7 +51,7 @@ bool meets_core(vec3 position, vec3 direction) {
     return dot(off, off) <= reach * reach;
 }
 
-// The density over solid angle with which a light path leaves a position, where `pdf_w` is that of going anywhere.
+// The density over solid angle with which a light subpath leaves a position, where `pdf_w` is that of going anywhere.
 float emission_pdf(vec3 position, vec3 direction, float pdf_w) {
     float cone = core_cone(position);
     if (cone == 0.0) return pdf_w;

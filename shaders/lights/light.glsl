@@ -12,7 +12,7 @@ struct LightSample {
     float pdf_w;  // over solid angle at the reference point, selection included
     bool delta;   // no direction hits this light by chance
     bool distant; // the light is infinitely far in the direction wi
-    float emitted; // density of a light path that begins with this segment (per area and solid angle), over pdf_w and the cosine at
+    float emitted; // density of a light subpath that begins with this segment (per area and solid angle), over pdf_w and the cosine at
                    // the light: what paths from the light are weighed against
 };
 
@@ -104,7 +104,7 @@ float light_pdf(ReferencePoint r, Ray ray, Hit hit, Interaction at, Surface surf
     return triangle_light_pdf(primitive, p, at, surface.light_density, ray.direction);
 }
 
-// The beginning of a light path, of a light chosen by its power; position by u.zw, direction by v.xy.
+// The beginning of a light subpath, of a light chosen by its power; position by u.zw, direction by v.xy.
 EmittedRay light_emit(vec4 u, vec4 v) {
     if (HAS_BACKGROUND) {
         if (u.x < scene.background_probability) return background_emit(u, v);
@@ -122,7 +122,7 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     return e;
 }
 
-// Density with which light_sample at the reference point would have picked the beginning of a light path that arrived there, over the
+// Density with which light_sample at the reference point would have picked the beginning of a light subpath that arrived there, over the
 // density of that beginning, for the cosine at the reference point: in squares of the scene's radius. `distance2` lies between them.
 float light_choice_ratio(EmittedRay e, ReferencePoint r, float distance2) {
     float unit = 1.0 / (scene.radius * scene.radius);

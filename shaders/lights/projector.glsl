@@ -1,7 +1,7 @@
 // A point that projects an image of given irradiance (W/m^2) on the plane at distance one along its axis: intensity
 // E / cos^3, so E / (z^2 cos) on a facing surface at depth z.
 
-// Density over solid angle of light paths, uniform over the image on the plane at distance one, given the cosine to the axis.
+// Density over solid angle of light subpaths, uniform over the image on the plane at distance one, given the cosine to the axis.
 float projector_pdf(Light light, float cosine) { return 1.0 / (4.0 * light.v2.x * light.v2.y * cosine * cosine * cosine); }
 
 LightSample projector_light_sample(Light light, vec3 p) {

@@ -21,7 +21,7 @@ vec3 spot_intensity(Light light, vec3 away) {
     return light.radiance * falloff;
 }
 
-// Density over solid angle of light paths: uniform over the cut-off cone, whose 1 - cos is written without cancellation.
+// Density over solid angle of light subpaths: uniform over the cut-off cone, whose 1 - cos is written without cancellation.
 float spot_pdf(Light light) {
     float s = sin(0.5 * light.v2.x);
     return 1.0 / (4.0 * PI * s * s);

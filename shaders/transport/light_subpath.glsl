@@ -6,7 +6,7 @@
 // Light paths in each sample of the image.
 float light_path_count() { return float(light_subpaths.light_path_count); }
 
-// Random numbers of a light path.
+// Random numbers of a light subpath.
 Sampler light_path_random(uint index, uint sample_index) { return Sampler(index, sample_index, LIGHT_DIMENSION, frame.seed); }
 
 // A path along an emitted ray.
@@ -50,7 +50,7 @@ BsdfSample light_vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
     return s;
 }
 
-// How the camera sees the beginning of a light path on an area light.
+// How the camera sees the beginning of a light subpath on an area light.
 struct LightView {
     CameraView camera;
     Ray ray;        // to the camera

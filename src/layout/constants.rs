@@ -105,7 +105,7 @@ shared_constants! {
     /// Cells that the pixel filter's table divides it into.
     pub const FILTER_CELLS = 64;
     /// Longest path, in segments, that is made of a part from the light and one from the camera; longer ones come from the camera
-    /// alone, so that the vertices of a light path have bounded room.
+    /// alone, so that the vertices of a light subpath have bounded room.
     pub const BIDIRECTIONAL_LENGTH = 16;
     /// Photons that are kept of one path; of a longer one they are a random choice.
     pub const PHOTONS_OF_PATH = 8;

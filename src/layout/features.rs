@@ -30,7 +30,7 @@ macro_rules! features {
             uvs HAS_UVS: bool "texture coordinates",
                 of |scene, census| reads_uvs(scene, census),
                 unspecialised |_| true;
-            /// Some shading frame follows the texture coordinates.
+            /// Some shading basis follows the texture coordinates.
             tangents HAS_TANGENTS: bool "tangent frames",
                 of |_, census| census.flags & MATERIAL_HAS_TANGENTS != 0,
                 unspecialised |_| true;

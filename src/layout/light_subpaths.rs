@@ -25,7 +25,7 @@ shared_structs! {
         grid_cell_count: uint,
     }
 
-    /// A vertex of a light path, for paths from the camera to be connected to it.
+    /// A vertex of a light subpath, for paths from the camera to be connected to it.
     pub struct LightVertex {
         /// Its position.
         position: vec3,
@@ -53,7 +53,7 @@ shared_structs! {
         absorption: vec3,
     }
 
-    /// A cell of the grid that holds the vertices of light paths.
+    /// A cell of the grid that holds the vertices of light subpaths.
     pub struct GridCell {
         /// Its first place.
         first: uint,

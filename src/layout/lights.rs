@@ -77,7 +77,14 @@ pub fn lights_glsl() -> String {
     branches("Samples an area light.", "SAMPLE_AREA_LIGHT(s, light, p, u)", "s", "sample", "light, p, u", "");
     branches("Samples a delta light.", "SAMPLE_DELTA_LIGHT(s, light, p)", "s", "sample", "", "light, p");
     let (area, delta) = ("light, position, direction", "light, direction");
-    branches("The beginning of a light path.", "EMIT_LIGHT(e, light, position, direction)", "e", "emit", area, delta);
+    branches(
+        "The beginning of a light subpath.",
+        "EMIT_LIGHT(e, light, position, direction)",
+        "e",
+        "emit",
+        area,
+        delta,
+    );
     let each = |delta: bool| LIGHTS.iter().filter(move |kind| kind.delta == delta);
     let join = |all: Vec<String>, how: &str, none: &str| if all.is_empty() { none.to_owned() } else { all.join(how) };
     text += &format!(

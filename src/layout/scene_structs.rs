@@ -42,7 +42,7 @@ shared_structs! {
         light_density: float,
         /// The way through the light tree to this light: the lowest bit is the turn at the root.
         light_trail: uint,
-        /// Density with which light paths begin at a point of it, per area (1/m²).
+        /// Density with which light subpaths begin at a point of it, per area (1/m²).
         emission_density: float,
         /// Texture that multiplies the emission, or [`NONE`].
         emission_texture: uint,
@@ -263,7 +263,7 @@ shared_structs! {
         corners: uvec3,
         /// The way through the light tree to this light, as [`Surface::light_trail`] has it.
         trail: uint,
-        /// Probability that a light path begins at this light, in proportion to its power.
+        /// Probability that a light subpath begins at this light, in proportion to its power.
         emission_probability: float,
         /// Alias table over all lights, by which light subpaths begin: probability of keeping this entry once it is drawn.
         emission_keep: float,

@@ -65,7 +65,7 @@ macro_rules! scene_uniforms {
                 centre: vec3,
                 /// Its radius.
                 radius: float,
-                /// Centre of a sphere around what does not emit: most light paths of lights far off are sent there.
+                /// Centre of a sphere around what does not emit: most light subpaths of lights far off are sent there.
                 core_centre: vec3,
                 /// Its radius.
                 core_radius: float,

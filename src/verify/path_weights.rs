@@ -111,7 +111,7 @@ impl Defined {
             };
             all[s] = on_lens * forwards(0..join) * end * backwards(join + 1..count);
         }
-        // The first segment of a light path is not looked at: (1, 1) and (0, 2) do better.
+        // The first segment of a light subpath is not looked at: (1, 1) and (0, 2) do better.
         if lens > 0.0 && self.segments > 1 {
             all[self.segments + 1] = backwards(0..count) / LAMP_AREA;
         }

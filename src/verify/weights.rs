@@ -77,7 +77,7 @@ impl Query {
             let joins_delta = s > 0 && t > 1 && is_delta(t - 1) || s > 1 && is_delta(t);
             *density = if joins_delta || s > 0 && !connects { 0.0 } else { lens * from_camera(t) * from_light(s) };
         }
-        // The first segment of a light path is not looked at: (1, 1) and (0, 2) do better.
+        // The first segment of a light subpath is not looked at: (1, 1) and (0, 2) do better.
         all[n] = if self.lens_a > 0.0 && connects && n > 2 { from_light(n) } else { 0.0 };
         for vertex in (1..n - 1).filter(|vertex| merges && !is_delta(*vertex)) {
             all[MOST + vertex] = lens * from_camera(vertex + 1) * from_light(n - vertex) * at(&self.merging, vertex);

@@ -27,7 +27,7 @@ bool is_delta(uint i) { return value(5u + 2u * MOST + i) != 0.0; }
 float distance2(uint edge) { return value(5u + 3u * MOST + edge); } // between this vertex and the next, in squares of the radius
 float near_cosine(uint edge) { return value(5u + 4u * MOST + edge); }
 float far_cosine(uint edge) { return value(5u + 5u * MOST + edge); }
-float merging(uint i) { return value(5u + 6u * MOST + i); } // density of merges, as an opacity: of one light path, in an area of one
+float merging(uint i) { return value(5u + 6u * MOST + i); } // density of merges, as an opacity: of one light subpath, in an area of one
 
 float lens_a() { return value(5u + 7u * MOST); } // density of the point on the lens; 0 is a pinhole
 

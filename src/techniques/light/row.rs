@@ -2,7 +2,7 @@
 
 use super::{Bias, Correlated, Missing, Over, Pass, RESOLVE, RareLight, Solves, TechniqueRow, pass};
 
-/// Traces light paths and splats their vertices.
+/// Traces light subpaths and splats their vertices.
 pub const PATHS: Pass = pass("paths", Over::Pixels);
 
 /// Light tracing.

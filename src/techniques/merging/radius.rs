@@ -1,4 +1,4 @@
-//! The radius within which a sample looks for vertices of light paths.
+//! The radius within which a sample looks for vertices of light subpaths.
 //!
 //! Knaus and Zwicker 2011, "Progressive photon mapping: a probabilistic approach", equation 20: its square shrinks by
 //! (k + alpha) / (k + 1) after the k-th sample. Then the mean of the samples has both less blur and less noise the more there are.
@@ -39,7 +39,7 @@ pub(in super::super) struct MergeRadius {
 }
 
 impl MergeRadius {
-    /// By the technique's parameters `radius` and `alpha`, as a share of the radius of [`Scene::core`], with so many light paths in each
+    /// By the technique's parameters `radius` and `alpha`, as a share of the radius of [`Scene::core`], with so many light subpaths in each
     /// sample. The more these are, the closer they lie: a radius that falls like the root of their number meets as many of them.
     pub fn of(technique: &Technique, scene: &Scene, light_paths: u32) -> Self {
         let [radius, alpha] = [RADIUS, ALPHA].map(|parameter| technique.number(&parameter));

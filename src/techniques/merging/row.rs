@@ -11,7 +11,7 @@ pub const GRID_ALLOT: Pass = pass("grid-allot", Over::Elements);
 /// Puts each light vertex in a place of its cell.
 pub const GRID_FILL: Pass = pass("grid-fill", Over::Elements);
 
-/// Within which paths from the camera meet vertices of light paths, see `radius.rs`.
+/// Within which paths from the camera meet vertices of light subpaths, see `radius.rs`.
 pub const RADIUS: Parameter = Parameter {
     name: "radius",
     about: "radius of the first sample's merges, as a share of the radius of all that does not emit; 0 is one over the root of the number \

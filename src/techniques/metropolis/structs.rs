@@ -77,7 +77,7 @@ shared_structs! {
         index: uint,
         /// Bits of floats, of an area light: its radiance. Of a surface: the key of its random numbers.
         own: uvec3,
-        /// Density of going on away from the camera, over solid angle; of the light's vertex: of a light path beginning there. This
+        /// Density of going on away from the camera, over solid angle; of the light's vertex: of a light subpath beginning there. This
         /// and the following members are filled in by `path_value`. The density of a delta lobe is 1 times the delta, which
         /// cancels wherever it stands.
         pdf: float,

@@ -6,7 +6,7 @@ pub mod structs;
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
 use super::{Bias, Correlated, Over, Parameter, Pass, RareLight, Solves, TechniqueRow, Values, pass};
 
-/// Traces light paths and stores photons.
+/// Traces light subpaths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
 /// Traces camera paths and gathers photons.
 pub const CAMERA: Pass = pass("camera", Over::Pixels);
