@@ -17,7 +17,7 @@ pub enum Trait {
     OpenSamples,
     /// It has a lobe whose width is the [`super::Material`]'s `alpha_u` and `alpha_v`.
     Rough,
-    /// These two hold perceptual roughness, the root of alpha, which may be 0.
+    /// The [`super::Material`]'s `alpha_u` and `alpha_v` hold perceptual roughness, the root of alpha, which may be 0.
     PerceptualRoughness,
     /// It has two lobes, a delta among them, between which the third of a sample's random numbers decides: `whitted` follows both.
     TwoLobes,
