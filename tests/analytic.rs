@@ -4,7 +4,7 @@ use crate::common::{average, backends, backends_in_time, canon, render, settings
 use glam::DVec3;
 use lumbre::render::Technique;
 use lumbre::scene::{Camera, Scene, SceneBuilder, SurfaceDescription, material};
-use lumbre::techniques::{Bias, Solves, TECHNIQUES, TechniqueRow};
+use lumbre::techniques::{Bias, Correlated, Solves, TECHNIQUES, TechniqueRow};
 
 // Rows in their full form: more techniques and more samples than in the short one, which tests/verify.rs has on every backend each time.
 
@@ -45,7 +45,7 @@ fn complete() -> impl Iterator<Item = &'static TechniqueRow> {
 
 /// Those whose expectation is a closed form. What is only consistent has tests of its own.
 fn unbiased() -> impl Iterator<Item = &'static TechniqueRow> {
-    TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased)
+    TECHNIQUES.iter().filter(|row| row.bias == Bias::Unbiased && row.correlated == Correlated::Nothing)
 }
 
 /// Those that find all there is in a scene which the camera sees a tiny part of. Light tracing would, but next to none of its paths
