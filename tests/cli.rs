@@ -228,11 +228,14 @@ fn interrupt(technique: &str) {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // The first line of progress says that the picture is under way.
+    // The first line with samples says that the picture is under way; a slow machine says before that it compiles.
     let mut progress = std::io::BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    std::io::BufRead::read_line(&mut progress, &mut line).unwrap();
-    assert!(line.contains("spp"), "{technique}: {line}");
+    while !line.contains("spp") {
+        line.clear();
+        let length = std::io::BufRead::read_line(&mut progress, &mut line).unwrap();
+        assert!(length > 0, "{technique}: no progress");
+    }
     let interrupted = Instant::now();
     // The shell's own `kill`: the program of that name is not on every machine.
     let signal = format!("kill -INT {}", child.id());
