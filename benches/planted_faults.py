@@ -197,6 +197,17 @@ FAULTS = [
           "(if_connected(m.d_vcm) + 1.02 * m.d_vc * heuristic(reverse_pdf_w)) / eta_vcm(opacity)",
           "merges are weighed against 2 % too much of what lies behind them", [WEIGHTS]),
 
+    # Instant radiosity
+    Fault("vpl-compensation", "shaders/techniques/vpl/camera_pass.glsl",
+          "1.0 - clamped_share(path.from.normal", "1.0 - 0.9 * clamped_share(path.from.normal",
+          "paths that go on make up for a tenth too much", ["vpl::diffuse_walls"]),
+    Fault("vpl-subset", "shaders/techniques/vpl/camera_pass.glsl",
+          "(share / float(chosen))", "(1.03 * share / float(chosen))",
+          "virtual point lights are 3 % bright", ["vpl::diffuse_walls", "vpl::lengths"]),
+    Fault("vpl-length", "shaders/techniques/vpl/light_pass.glsl",
+          "MAX_DEPTH - y.segments < 3u", "MAX_DEPTH - y.segments < 4u",
+          "light subpaths end a segment early", ["vpl::lengths"]),
+
     # Materials
     Fault("diffuse-density", "shaders/materials/diffuse.glsl",
           "vec3 wi) { return INV_PI * max", "vec3 wi) { return 0.95 * INV_PI * max",

@@ -50,5 +50,6 @@ mod spirv;
 mod strategies;
 mod traversal;
 mod verify;
+mod vpl;
 mod whitted;
 mod witness;

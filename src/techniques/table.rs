@@ -23,6 +23,7 @@ macro_rules! families {
             photon "photon/row.rs" with structs: PHOTON keeps PhotonMapping;
             metropolis "metropolis/row.rs" with structs: MLT keeps MarkovChains;
             radiosity "radiosity/row.rs" with structs: RADIOSITY keeps Patches;
+            vpl "vpl/row.rs": VPL keeps VirtualLights;
         }
     };
 }
