@@ -112,6 +112,9 @@ Ray vertex_ray(Vertex v, vec3 w) {
 // The ray from the vertex up to a target that lies off its own surface, like the origin: what is left is the rounding of t.
 Ray vertex_ray_to(Vertex v, vec3 w, vec3 target) { return ray_between(vertex_ray(v, w).origin, target); }
 
+// The ray from the vertex to another one in the world direction w, off both surfaces.
+Ray vertex_ray_between(Vertex v, vec3 w, Vertex to) { return vertex_ray_to(v, w, offset_origin(to.at.position, to.at.margin, to.at.normal, -w)); }
+
 // Absorption of the medium on the side of the vertex that a local direction leaves to, given that of the medium it was reached through.
 vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
     if (!HAS_ABSORPTION || (b.m.flags & MATERIAL_HAS_ABSORPTION) == 0u || local.z * v.wo.z > 0.0) return absorption;

@@ -1,19 +1,17 @@
 // Traces rays from memory and nothing else: the nearest hit.
 #version 460
 #include "core/prelude.glsl"
-#include "kernels/probe.glsl"
+#include "kernels/ray_records.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RayRecords { RayRecord at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Distances { float at[]; };
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    RayRecord record = RayRecords(PROBE_INPUT).at[index];
-    Ray ray = Ray(record.origin, record.direction, record.t_max);
+    Ray ray = recorded_ray(index);
     Hit hit;
     bool found = trace_closest(ray, hit);
     Distances(PROBE_OUTPUT).at[index] = found ? hit.t : -1.0;

@@ -3,19 +3,17 @@
 #version 460
 #define COUNT_TRAVERSAL
 #include "core/prelude.glsl"
-#include "kernels/probe.glsl"
+#include "kernels/ray_records.glsl"
 #include "trace/trace.glsl"
 
 layout(local_size_x = WORKGROUP) in;
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RayRecords { RayRecord at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Counts { TraversalCount at[]; };
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= frame.slot_count) return;
-    RayRecord record = RayRecords(PROBE_INPUT).at[index];
-    Ray ray = Ray(record.origin, record.direction, record.t_max);
+    Ray ray = recorded_ray(index);
     tested_nodes = tested_primitives = 0u;
     Hit hit;
     trace_closest(ray, hit);

@@ -3,13 +3,11 @@
 // has left the scene) have a negative length.
 #version 460
 #include "core/prelude.glsl"
-#include "kernels/probe.glsl"
+#include "kernels/ray_records.glsl"
 #include "trace/trace.glsl"
 #include "transport/nee.glsl"
 
 layout(local_size_x = WORKGROUP) in;
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer RayRecords { RayRecord at[]; };
 
 const Ray NO_RAY = Ray(vec3(0.0), vec3(0.0, 0.0, 1.0), -1.0);
 

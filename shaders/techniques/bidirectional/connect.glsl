@@ -111,7 +111,7 @@ Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, E
         // eqs. 41 and 40
         others = mis_connection(m, from_light, pdf_w.y, opacity) +
                  mis_connection(SubpathMis(end.y.d_vcm, end.y.d_vc), from_camera, far_pdf_w.y, vertex_opacity(w));
-        c.ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
+        c.ray = vertex_ray_between(v, towards, w);
     }
     c.weight = 1.0 / (1.0 + others); // eq. 37
     c.absorption = vertex_absorption(v, b, path.absorption, local);

@@ -46,7 +46,7 @@ vec3 virtual_light(Path path, Vertex v, Bsdf b, LightVertex y, Sampler random, i
                         light_vertex_eval(w, far, light_vertex_ray(y), vertex_to_local(w, -towards), -towards) / distance2;
     contribution *= clamped_share(vertex_reference(v, b).normal, w.at.normal, d);
     if (contribution == vec3(0.0)) return contribution;
-    Ray ray = vertex_ray_to(v, towards, offset_origin(w.at.position, w.at.margin, w.at.normal, -towards));
+    Ray ray = vertex_ray_between(v, towards, w);
     return contribution * ray_transmittance(ray, vertex_absorption(v, b, path.absorption, local), rays);
 }
 
