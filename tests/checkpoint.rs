@@ -60,6 +60,7 @@ fn handed_over(gpu: &Gpu, scene: &Scene, settings: &Settings, seconds: Option<f6
         assert!(left.is_empty(), "{what}: all of it is read");
         std::mem::swap(&mut own, &mut other);
         handed += 1;
+        assert!(handed < 2000, "{what}: what is handed over makes no progress");
         if !more {
             break;
         }

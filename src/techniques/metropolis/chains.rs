@@ -260,11 +260,13 @@ impl TechniqueState for Chains {
         self.budget = budget;
     }
 
-    /// Forgets where chains are.
+    /// Forgets where chains are, and how fast bootstrap samples were made: where a time budget ends them, each start is that of a new
+    /// renderer.
     fn restart(&mut self, seed: u32) -> Result<()> {
         self.splats.restart()?;
         self.offset = uniform(seed);
         (self.made, self.wanted, self.took) = (0, self.size.bootstrap, Duration::ZERO);
+        self.pace = Pace::new();
         (self.sum, self.bound) = (None, f64::INFINITY);
         self.shares = self.size.shares();
         self.describe_chains(0.0)

@@ -80,9 +80,13 @@ impl TechniqueState for VirtualLightsState {
         Ok(())
     }
 
-    /// They are made anew, with the same bits.
-    fn exchange(&mut self, _: &mut StateStream, _: bool) -> Result<()> {
-        self.made_for = None;
-        Ok(())
+    /// Those of the sample under way; before it begins there are none.
+    fn exchange(&mut self, stream: &mut StateStream, _: bool) -> Result<()> {
+        let (mut is_made, mut sample) = (u32::from(self.made_for.is_some()), self.made_for.unwrap_or_default());
+        stream.numbers([&mut is_made, &mut sample])?;
+        stream
+            .check(is_made <= 1, || format!("{is_made} in place of 0 or 1: whether there are virtual point lights"))?;
+        self.made_for = (is_made == 1).then_some(sample);
+        self.light_paths.exchange(stream, is_made == 1)
     }
 }
