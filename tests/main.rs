@@ -22,6 +22,8 @@ mod cli_bench;
 mod docs;
 mod error_target;
 mod faults;
+#[cfg(unix)]
+mod files;
 mod gltf;
 mod gltf_broken;
 mod hostile;

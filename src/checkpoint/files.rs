@@ -8,11 +8,11 @@ use super::format::{self, Header};
 use super::identity::Identity;
 use super::lock::Lock;
 use crate::error::{Error, Result};
-use crate::files::folder_of;
+use crate::files::{check_writable, file_behind, folder_of, inherit};
 use crate::render::Renderer;
 
 /// The checkpoints of one rendering: `FILE`, and as `FILE.previous` the one before it. While one is written it is `FILE.partial`; and
-/// `FILE.lock` keeps other processes away for as long as this lives.
+/// `FILE.lock` keeps other processes away for as long as this lives. Where the name is that of a symbolic link, `FILE` is what it leads to.
 pub struct Checkpoints {
     path: PathBuf,
     /// Whether `path` may take the place of the one before it: what was found damaged must not push out a good one.
@@ -34,9 +34,11 @@ pub struct Found {
 impl Checkpoints {
     /// Takes hold of `path`. Fails where no file can be made beside it, and where another process has it.
     pub fn open(path: &Path) -> Result<Self> {
-        crate::files::check_writable(path)?;
-        let lock = Lock::take(beside(path, ".lock"), path)?;
-        Ok(Self { path: path.to_owned(), is_good: true, _lock: lock })
+        let refused = |cause| Error::Usage(format!("cannot write {}: {cause}", path.display()));
+        let path = file_behind(path).map_err(refused)?;
+        check_writable(&path)?;
+        let lock = Lock::take(beside(&path, ".lock"), &path)?;
+        Ok(Self { path, is_good: true, _lock: lock })
     }
 
     /// The file.
@@ -103,6 +105,9 @@ impl Checkpoints {
 
     fn replace(&self, partial: &Path) -> Result<()> {
         let failed = |error: std::io::Error| Error::write(&self.path, error);
+        if let Ok(old) = self.path.metadata() {
+            File::open(partial).and_then(|new| inherit(&new, &old)).map_err(failed)?;
+        }
         if self.is_good && self.path.exists() {
             std::fs::rename(&self.path, beside(&self.path, ".previous")).map_err(failed)?;
         }

@@ -7,7 +7,9 @@ use clap::Args;
 use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::{DeviceKind, Gpu, Instance};
 use lumbre::layout::backend::{BACKENDS, Backend};
-use lumbre::scene::{LightSelection, LoadOptions, Scene};
+use lumbre::scene::{LightSelection, LoadOptions, Scene, SceneFormat};
+
+use super::output::say;
 
 /// Which device to run on.
 #[derive(Args)]
@@ -24,8 +26,12 @@ pub(super) struct DeviceArgs {
 /// Which scene to read.
 #[derive(Args)]
 pub(super) struct SceneArgs {
-    /// Scene file: Mitsuba 3 (.xml), glTF 2.0 (.gltf, .glb), .obj or .ply
+    /// Scene file: Mitsuba 3 (.xml), glTF 2.0 (.gltf, .glb), .obj or .ply; '-' is standard input, with --format
     pub(super) scene: PathBuf,
+
+    /// Format of the scene, whatever its name: xml, gltf, glb, obj or ply
+    #[arg(long, value_name = "NAME")]
+    pub(super) format: Option<SceneFormat>,
 
     /// Set a parameter of a Mitsuba scene
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parse_define)]
@@ -55,7 +61,7 @@ impl DeviceArgs {
         match messages.split_first() {
             None => Ok(()),
             Some((first, rest)) => {
-                rest.iter().for_each(|message| eprintln!("validation: {message}"));
+                rest.iter().for_each(|message| say!("validation: {message}"));
                 Err(Error::Validation(first.clone()))
             }
         }
@@ -65,6 +71,7 @@ impl DeviceArgs {
 impl SceneArgs {
     pub(super) fn options(&self) -> LoadOptions {
         LoadOptions {
+            format: self.format,
             defines: self.defines.clone(),
             lights: self.lights,
             energy_compensation: self.energy_compensation,

@@ -14,7 +14,7 @@ use lumbre::scene::Scene;
 use lumbre::techniques::TECHNIQUES;
 
 use super::args::{DeviceArgs, SceneArgs, parse_size};
-use super::output::{check_json, print, print_warnings, write_json};
+use super::output::{check_json, print, print_warnings, say, write_json};
 use census::{Census, Memory};
 
 #[derive(Args)]
@@ -57,7 +57,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
     let kind = gpu.as_ref().map_or(DeviceKind::Cpu, |gpu| gpu.survey().kind);
     let census = Census::of(&scene, memory, kernels(&scene, kind)?);
     for repeat in &census.repeated_images {
-        eprintln!(
+        say!(
             "warning: {}: image {} ({}) holds the same texels as image {} ({}): {} are wasted",
             scene.source.display(),
             repeat.image,

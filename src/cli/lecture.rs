@@ -13,7 +13,7 @@ use lumbre::lecture::{Circumstances, Lab, Place, Scale, choose, write};
 use super::args::{DeviceArgs, choose_backend};
 use super::host;
 use super::interrupt::listen_for_interrupts;
-use super::output::print;
+use super::output::{print, say};
 
 #[derive(Args)]
 pub(super) struct LectureArgs {
@@ -83,7 +83,7 @@ pub(super) fn run(args: &LectureArgs) -> Result<()> {
     }
     let say = |text: &str| {
         if !args.quiet {
-            eprintln!("{text}");
+            say!("{text}");
         }
     };
     let place = Place {

@@ -19,7 +19,8 @@ mod verify;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
-use lumbre::error::one_of;
+use lumbre::error::{Error, one_of};
+use output::{finish, note, say};
 
 /// A light-transport laboratory on raw Vulkan.
 #[derive(Parser)]
@@ -71,27 +72,34 @@ pub fn main() -> u8 {
         Command::Devices(args) => devices::run(&args),
         Command::List(args) => list::run(&args),
     };
-    match done {
+    match done.and_then(|()| finish()) {
         Ok(()) => 0,
-        Err(error) => {
-            eprintln!("error: {error}");
-            error.exit_status()
-        }
+        Err(error) => report(&error),
     }
+}
+
+/// Says what went wrong; returns the exit status.
+fn report(error: &Error) -> u8 {
+    say!("error: {error}");
+    error.exit_status()
 }
 
 /// Reports a command that clap could not make sense of: one line, then what is valid.
 fn usage_error(error: &clap::Error) -> u8 {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        let _ = error.print();
-        return if error.use_stderr() { 2 } else { 0 };
+        let printed = error.print();
+        if error.use_stderr() {
+            return 2;
+        }
+        note(printed);
+        return finish().map_or_else(|error| report(&error), |()| 0);
     }
     let text = error.to_string();
     let first = text.split("\n\n").next().unwrap_or(&text).trim_end();
     // A list of missing arguments or of valid values belongs to the first line.
-    eprintln!("{}", first.lines().map(str::trim).collect::<Vec<_>>().join(" "));
+    say!("{}", first.lines().map(str::trim).collect::<Vec<_>>().join(" "));
     let command = Cli::command();
-    let asked = std::env::args().nth(1).unwrap_or_default();
+    let asked = std::env::args_os().nth(1).unwrap_or_default().to_string_lossy().into_owned();
     match command.find_subcommand(&asked) {
         Some(subcommand) if error.kind() == ErrorKind::UnknownArgument => {
             let flags =
@@ -100,10 +108,10 @@ fn usage_error(error: &clap::Error) -> u8 {
                     (None, Some(short)) => Some(format!("-{short}")),
                     _ => None,
                 });
-            eprintln!("valid flags of '{asked}' are {}", one_of(flags));
+            say!("valid flags of '{asked}' are {}", one_of(flags));
         }
-        Some(_) => eprintln!("`lumbre {asked} --help` says more"),
-        None => eprintln!("valid commands are {}", one_of(command.get_subcommands().map(clap::Command::get_name))),
+        Some(_) => say!("`lumbre {asked} --help` says more"),
+        None => say!("valid commands are {}", one_of(command.get_subcommands().map(clap::Command::get_name))),
     }
     2
 }

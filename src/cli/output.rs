@@ -1,7 +1,8 @@
 //! What sub-commands write to the user: text, warnings, JSON, a bar.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -10,14 +11,40 @@ use lumbre::error::{Error, Result};
 use lumbre::files::{check_writable, replace_file};
 use lumbre::scene::Scene;
 
-/// Writes to standard output; a reader that has gone away is no error.
+/// Why standard output could not be written, the first time.
+static REFUSED: OnceLock<String> = OnceLock::new();
+
+/// Writes a line to standard output. A reader that has gone away is no error; any other is told by [`finish`].
 pub(super) fn print(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+    note(writeln!(std::io::stdout().lock(), "{text}"));
 }
+
+/// Takes note of what came of writing to standard output.
+pub(super) fn note(written: std::io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        REFUSED.get_or_init(|| error.to_string());
+    }
+}
+
+/// Ends writing to standard output; fails where some of that was lost.
+pub(super) fn finish() -> Result<()> {
+    note(std::io::stdout().flush());
+    REFUSED.get().map_or(Ok(()), |cause| Err(Error::write(Path::new("standard output"), cause)))
+}
+
+/// Writes a line to standard error, as `eprintln!` does; that nobody can read it is no error.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr().lock(), format_args!("{}\n", format_args!($($text)*)));
+    }};
+}
+pub(super) use say;
 
 pub(super) fn print_warnings(scene: &Scene) {
     for warning in &scene.warnings {
-        eprintln!("warning: {}: {warning}", scene.source.display());
+        say!("warning: {}: {warning}", scene.source.display());
     }
 }
 
@@ -31,7 +58,7 @@ pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Error::write(path, error))?;
     if path == Path::new("-") {
         print(&text);
-        return Ok(());
+        return finish();
     }
     replace_file(path, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))
 }

@@ -16,7 +16,7 @@ use lumbre::techniques::Solves;
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
-use super::output::{bar_on_terminal, check_json, print, print_warnings, write_json};
+use super::output::{bar_on_terminal, check_json, print, print_warnings, say, write_json};
 
 /// Seconds between two lines of progress where standard error is no terminal.
 const INTERVAL: f64 = 10.0;
@@ -229,12 +229,12 @@ impl Progress {
         if let Some(text) = told(step) {
             match &self.bar {
                 Some(bar) => bar.println(text),
-                None => eprintln!("{text}"),
+                None => say!("{text}"),
             }
         } else if let (Step::Share(share), None) = (step, &self.bar)
             && self.last.elapsed().as_secs_f64() > INTERVAL
         {
-            eprintln!("{:.0} %", 100.0 * share);
+            say!("{:.0} %", 100.0 * share);
             self.last = Instant::now();
         }
     }

@@ -14,7 +14,7 @@ use std::time::Instant;
 use clap::Args;
 
 use lumbre::error::{Error, Result, one_of};
-use lumbre::files::check_writable;
+use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
@@ -24,7 +24,7 @@ use lumbre::techniques::{Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
-use super::output::{check_json, print_warnings, write_json};
+use super::output::{check_json, print_warnings, say, write_json};
 use job::Job;
 use keep::CheckpointWriter;
 use progress::{BuildProgress, Progress};
@@ -190,11 +190,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let gpu = args.device.open()?;
     let (mut settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
     if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
-        eprintln!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
+        say!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
 
     if let (Some(light), Some(_), false) = (settings.technique.finds_rarely(&scene), args.error, args.quiet) {
-        eprintln!(
+        say!(
             "warning: {} finds {light} only with rare, bright samples: --error does not see those that have not come yet",
             settings.technique.row.name
         );
@@ -209,10 +209,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         );
     }
     if let Some(taken) = settings.technique.simplifies(&scene).filter(|_| !args.quiet) {
-        eprintln!(
-            "warning: {} takes for diffuse, with the albedo that they have: {taken}",
-            settings.technique.row.name
-        );
+        say!("warning: {} takes for diffuse, with the albedo that they have: {taken}", settings.technique.row.name);
     }
 
     let checkpoint = args.checkpoint.as_deref();
@@ -239,7 +236,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
-    if !args.quiet && args.json.as_deref() != Some(Path::new("-")) {
+    let is_taken = |path: &Path| path == Path::new("-") || is_standard_output(path);
+    if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| is_taken(path)) {
         report::print_summary(&result, &job.outputs, interrupted.load(Ordering::Relaxed));
     }
     kept.map_err(|error| keeper.explain(error))?;
@@ -286,7 +284,8 @@ fn iterate(
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     let mut outputs = args.output.clone();
     if outputs.is_empty() {
-        let stem = PathBuf::from(args.scene.scene.file_stem().unwrap_or_else(|| "image".as_ref()));
+        let stem = args.scene.scene.file_stem().filter(|stem| *stem != STANDARD_INPUT);
+        let stem = PathBuf::from(stem.unwrap_or_else(|| "image".as_ref()));
         outputs = vec![stem.with_extension("exr"), stem.with_extension("png")];
     }
     for path in &outputs {
@@ -358,7 +357,7 @@ fn settle(
         let longest = settings.max_depth.map_or(most, |depth| depth.min(most));
         let shortened = settings.max_depth != Some(longest) && settings.technique.row.tells_strategies;
         if shortened && !args.quiet {
-            eprintln!("note: paths end after {longest} segments, for --strategies to show all of them");
+            say!("note: paths end after {longest} segments, for --strategies to show all of them");
         }
         settings.strategies = Some(Strategies::of(longest, scene.camera(args.camera.as_deref())?));
         settings.max_depth = Some(longest);

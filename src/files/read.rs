@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use super::standard_input::standard_input;
 use crate::error::{Error, Result};
 
 /// Bytes of a file that is read whole: an image, a buffer, a .glb.
@@ -11,8 +12,11 @@ pub(crate) const FILE_BYTES: u64 = 4 << 30;
 /// Bytes that one byte of a DEFLATE stream stands for at most: one bit for 258 bytes and one more for their distance.
 pub(crate) const DEFLATE_RATIO: u64 = 1032;
 
-/// Opens a file; folders, devices and pipes, which may have no end, are refused.
+/// Opens a file; folders, devices and pipes, which may have no end, are refused. `-` is standard input where that was taken.
 pub(crate) fn open(path: &Path) -> Result<File> {
+    if let Some(file) = standard_input(path).map_err(|error| Error::read(path, error))? {
+        return Ok(file);
+    }
     let meta = std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
     if !meta.is_file() {
         return Err(Error::read(path, "it is not a file"));

@@ -15,23 +15,27 @@ use crate::files::{WriteSeek, open};
 
 /// Writes a picture with its layers and its header, compressed without loss.
 pub(super) fn write(file: &mut dyn WriteSeek, picture: &Picture) -> Result<(), String> {
-    let text = |text: &str| Text::new_or_none(text).ok_or_else(|| format!("'{text}' cannot be in an EXR header"));
     let mut channels = Vec::new();
     let images = std::iter::once((String::new(), &picture.image))
         .chain(picture.layers.iter().map(|layer| (format!("{}.", layer.name), &layer.image)));
     for (prefix, image) in images {
         for (index, channel) in ["R", "G", "B"].into_iter().enumerate() {
             let samples = image.pixels.iter().map(|pixel| pixel[index]).collect();
-            channels.push(AnyChannel::new(text(&format!("{prefix}{channel}"))?, FlatSamples::F32(samples)));
+            channels.push(AnyChannel::new(text(&format!("{prefix}{channel}")), FlatSamples::F32(samples)));
         }
     }
     let size = (picture.image.width as usize, picture.image.height as usize);
     let mut attributes = LayerAttributes::default();
     for (name, value) in &picture.header {
-        attributes.other.insert(text(name)?, AttributeValue::Text(text(value)?));
+        attributes.other.insert(text(name), AttributeValue::Text(text(value)));
     }
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels.into()));
     ExrImage::from_layer(layer).write().to_buffered(file).map_err(|error| error.to_string())
+}
+
+/// A text of a header: UTF-8, as OpenEXR has it, whose one forbidden character, of code 0, is escaped.
+fn text(text: &str) -> Text {
+    Text::from_slice_unchecked(text.replace('\0', "\\0").as_bytes())
 }
 
 /// Refuses an EXR file that claims to be larger than it can be, before room is made for it.
@@ -102,7 +106,10 @@ pub fn read_attribute(path: &Path, name: &str) -> Result<Option<String>> {
     let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
     let found = meta.headers.iter().flat_map(|header| &header.own_attributes.other).find(|(own, _)| **own == *name);
     Ok(found.and_then(|(_, value)| match value {
-        exr::meta::attribute::AttributeValue::Text(text) => Some(text.to_string()),
+        // Other programs may have written one byte for each character.
+        AttributeValue::Text(text) => {
+            Some(std::str::from_utf8(text.as_slice()).map_or_else(|_| text.to_string(), std::borrow::ToOwned::to_owned))
+        }
         _ => None,
     }))
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::Image;
 use crate::error::{Error, Result};
+use crate::files::is_stream;
 
 /// A format that images are written in, by the extension of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +35,12 @@ pub struct Picture {
     pub header: Vec<(String, String)>,
 }
 
-/// The format that a file name asks for.
+/// The format that a file name asks for. Devices and pipes, whose names nobody chooses, get EXR.
 pub fn format_of(path: &Path) -> Result<Format> {
     match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {
         Some("exr") => Ok(Format::Exr),
         Some("png") => Ok(Format::Png),
+        None if is_stream(path) => Ok(Format::Exr),
         _ => Err(Error::Usage(format!("{}: the extension of an output must be .exr or .png", path.display()))),
     }
 }

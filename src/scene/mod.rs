@@ -23,7 +23,7 @@ pub use description::{
     Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
     camera, filter, light, material, texture,
 };
-pub use load::{LoadOptions, load};
+pub use load::{LoadOptions, SceneFormat, load};
 pub use needs::Needs;
 
 use crate::bvh::{Bounds, primitive_bounds};

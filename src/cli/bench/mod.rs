@@ -16,26 +16,30 @@ use lumbre::bench::peer::{Peer, SceneRequest};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
 use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
 use lumbre::error::{Error, Result};
-use lumbre::files::{check_writable, replace_file};
+use lumbre::files::{STANDARD_INPUT, check_writable, replace_file};
 use lumbre::gpu::Gpu;
 use lumbre::image::{Image, Picture, write_picture};
 use lumbre::reference::{self, Budget, Request, Step};
 use lumbre::render::{Settings, Technique, kernels_fingerprint};
-use lumbre::scene::{LightSelection, LoadOptions, Scene};
+use lumbre::scene::{LightSelection, LoadOptions, Scene, SceneFormat};
 use lumbre::statistics::CONFIDENCE;
 
 use super::args::{Depth, DeviceArgs, choose_backend, parse_define, parse_depth, parse_positive, parse_size};
 use super::host;
 use super::interrupt::listen_for_interrupts;
-use super::output::{print, print_warnings, write_json};
+use super::output::{print, print_warnings, say, write_json};
 use columns::{Column, wanted_light};
 use entry::Entry;
 
 #[derive(Args)]
 pub(super) struct BenchArgs {
-    /// Scene files. None compares the folder's earlier bench with --against
+    /// Scene files; '-' is standard input, with --format. None compares the folder's earlier bench with --against
     #[arg(value_name = "SCENE", required_unless_present = "against")]
     scenes: Vec<PathBuf>,
+
+    /// Format of the scenes, whatever their names: xml, gltf, glb, obj or ply
+    #[arg(long, value_name = "NAME")]
+    format: Option<SceneFormat>,
 
     /// Techniques, separated by commas, each with its parameters as NAME:PARAMETER=VALUE
     #[arg(short = 'i', long, value_name = "LIST", value_delimiter = ',', default_value = "path")]
@@ -224,9 +228,13 @@ fn read_scenes(args: &BenchArgs, techniques: &[Technique]) -> Result<Vec<Entry>>
 }
 
 fn load(args: &BenchArgs, file: &Path, lights: LightSelection) -> Result<Scene> {
-    let defines =
-        if file.extension().is_some_and(|extension| extension == "xml") { args.defines.clone() } else { Vec::new() };
-    lumbre::scene::load(file, &LoadOptions { defines, lights, ..LoadOptions::default() })
+    let defines = if is_mitsuba(args, file) { args.defines.clone() } else { Vec::new() };
+    lumbre::scene::load(file, &LoadOptions { format: args.format, defines, lights, ..LoadOptions::default() })
+}
+
+fn is_mitsuba(args: &BenchArgs, file: &Path) -> bool {
+    let by_name = || file.extension().is_some_and(|extension| extension == "xml");
+    args.format.map_or_else(by_name, |format| format == SceneFormat::Xml)
 }
 
 /// Makes the folder; refuses one that holds another bench.
@@ -289,7 +297,7 @@ fn bench_scene(
 ) -> Result<SceneResults> {
     let say = |text: String| {
         if !args.quiet {
-            eprintln!("{}: {text}", entry.name);
+            say!("{}: {text}", entry.name);
         }
     };
     let (truth, described) = obtain_reference(args, entry, gpu, limits, stop, &say)?;
@@ -298,8 +306,8 @@ fn bench_scene(
         .map(|column| column.variant(gpu, entry, &|lights| load(args, &entry.file, lights)))
         .collect::<Result<Vec<_>>>()?;
     for peer in &args.peer {
-        if entry.file.extension().is_none_or(|extension| extension != "xml") {
-            say(format!("without the peer {peer}: it reads Mitsuba scenes (.xml)"));
+        if !is_mitsuba(args, &entry.file) || entry.file == Path::new(STANDARD_INPUT) {
+            say(format!("without the peer {peer}: it reads files of Mitsuba scenes (.xml)"));
             continue;
         }
         let request = SceneRequest {

@@ -9,6 +9,8 @@ use lumbre::gpu::Gpu;
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
 
+use crate::cli::output::say;
+
 /// Seconds between two checkpoints where the command line does not say.
 pub(super) const INTERVAL: f64 = 60.0;
 
@@ -43,9 +45,9 @@ impl CheckpointWriter {
         if let (Some(files), None, false) = (&files, &found, quiet) {
             let path = files.path().display();
             if resume {
-                eprintln!("note: there is no {path} yet: the rendering begins anew");
+                say!("note: there is no {path} yet: the rendering begins anew");
             } else if let Some(older) = files.peek() {
-                eprintln!(
+                say!(
                     "note: {path} holds {} spp of an earlier rendering, which --resume goes on from: this one takes its place after {interval} s",
                     older.spp
                 );
@@ -54,10 +56,10 @@ impl CheckpointWriter {
         if let Some(Found { header, path, warning }) = &found {
             settings.expected_samples = header.expected_samples;
             if let Some(warning) = warning {
-                eprintln!("warning: {warning}");
+                say!("warning: {warning}");
             }
             if !quiet {
-                eprintln!("note: going on from {}: {} spp after {:.1} s", path.display(), header.spp, header.spent);
+                say!("note: going on from {}: {} spp after {:.1} s", path.display(), header.spp, header.spent);
             }
         }
         Ok(Self {
@@ -89,7 +91,7 @@ impl CheckpointWriter {
             Err(error @ Error::File { .. }) => {
                 let kept =
                     self.kept.map_or(String::from("none is kept yet"), |spp| format!("that of {spp} spp is kept"));
-                eprintln!("warning: no new checkpoint: {error}; {kept}, and the rendering goes on");
+                say!("warning: no new checkpoint: {error}; {kept}, and the rendering goes on");
                 Ok(())
             }
             other => other,

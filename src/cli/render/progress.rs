@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use lumbre::render::{Building, Renderer};
 
 use super::job::Job;
-use crate::cli::output::bar_on_terminal;
+use crate::cli::output::{bar_on_terminal, say};
 
 /// Seconds between two lines where standard error is no terminal.
 const INTERVAL: f64 = 10.0;
@@ -50,7 +50,7 @@ impl BuildProgress {
             bar.set_message(building.doing);
         } else if seconds >= shown.next_line {
             let share = building.share.map_or(String::new(), |share| format!(", {:.0} %", 100.0 * share));
-            eprintln!("{}{share}", building.doing);
+            say!("{}{share}", building.doing);
             shown.next_line = seconds + INTERVAL;
         }
     }
@@ -97,7 +97,7 @@ impl Progress {
             bar.set_position((share * 1000.0) as u64);
             bar.set_message(line());
         } else if !self.quiet && seconds >= self.next_line {
-            eprintln!("{}", line());
+            say!("{}", line());
             self.next_line = seconds + INTERVAL;
         }
     }

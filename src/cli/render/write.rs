@@ -8,6 +8,7 @@ use lumbre::render::film::Film;
 
 use super::keep::CheckpointWriter;
 use super::pyramid;
+use crate::cli::output::say;
 
 /// Writes all outputs, also where one of them fails. Fails with the first error then, and says where the rendering is kept: in its
 /// checkpoint, or, without one, as an image in the folder for temporary files.
@@ -22,7 +23,7 @@ pub(super) fn write_outputs(
         if let Err(error) = write_output(path, film, picture)
             && let Some(earlier) = first.replace(error)
         {
-            eprintln!("error: {earlier}");
+            say!("error: {earlier}");
         }
     }
     let Some(cause) = first else { return Ok(()) };
@@ -34,7 +35,7 @@ fn write_output(path: &Path, film: &Film, picture: &Picture) -> Result<()> {
     if let Some(folder) = path.parent().filter(|folder| *folder != Path::new("") && !folder.exists()) {
         // It was there when the rendering began.
         std::fs::create_dir_all(folder).map_err(|error| Error::write(path, error))?;
-        eprintln!("warning: the folder {} went away and was made again", folder.display());
+        say!("warning: the folder {} went away and was made again", folder.display());
     }
     let pyramid = if format_of(path)? == Format::Png { pyramid::pyramid(film) } else { None };
     match pyramid {

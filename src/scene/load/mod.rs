@@ -12,40 +12,58 @@ use std::path::Path;
 
 use super::description::WORLD;
 use super::{Needs, Scene, SceneBuilder};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_of};
+use crate::files::{FILE_BYTES, STANDARD_INPUT, take_standard_input};
 
-pub use options::LoadOptions;
+pub use options::{LoadOptions, SceneFormat};
 
-/// Reads a scene; the extension says which format it is in.
-pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+/// The format of a scene file.
+fn format_of(path: &Path, options: &LoadOptions) -> Result<SceneFormat> {
+    if let Some(format) = options.format {
+        return Ok(format);
+    }
+    let extensions = SceneFormat::ALL.map(|(name, _)| name);
+    if path == Path::new(STANDARD_INPUT) {
+        let message = format!("a scene from standard input (-): say its format with --format {}", one_of(extensions));
+        return Err(Error::Usage(message));
+    }
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if extension != "xml"
+    if let Ok(format) = extension.parse() {
+        return Ok(format);
+    }
+    std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
+    Err(Error::Usage(format!(
+        "{}: a scene is a file with the extension .xml (Mitsuba 3), .gltf, .glb, .obj or .ply, or --format says which of them it is like",
+        path.display()
+    )))
+}
+
+/// Reads a scene. `-` is standard input, which is read to its end; files that such a scene refers to are looked for in the working folder.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    let format = format_of(path, options)?;
+    if format != SceneFormat::Xml
         && let Some((name, _)) = options.defines.first()
     {
         return Err(Error::Usage(format!("-D {name}: only Mitsuba scenes (.xml) have parameters")));
     }
-    if extension != "xml" && options.energy_compensation {
+    if format != SceneFormat::Xml && options.energy_compensation {
         return Err(Error::Usage(String::from(
             "energy compensation is for rough metals and rough glass of Mitsuba scenes (.xml): other formats have none",
         )));
     }
-    let mut builder = match extension.as_str() {
-        "xml" => mitsuba::load(path, options)?,
-        "gltf" | "glb" => gltf::load(path)?,
-        "obj" => obj::load(path)?,
-        "ply" => {
+    if path == Path::new(STANDARD_INPUT) {
+        take_standard_input(FILE_BYTES)?;
+    }
+    let mut builder = match format {
+        SceneFormat::Xml => mitsuba::load(path, options)?,
+        SceneFormat::Gltf => gltf::load(path)?,
+        SceneFormat::Obj => obj::load(path)?,
+        SceneFormat::Ply => {
             let mut builder = SceneBuilder::new(path);
             let surface = builder.matte([0.5; 3]);
             let mesh = ply::read(path)?;
             builder.mesh(WORLD, &path.display().to_string(), mesh, glam::DAffine3::IDENTITY, surface);
             builder
-        }
-        _ => {
-            std::fs::metadata(path).map_err(|error| Error::read(path, error))?;
-            return Err(Error::Usage(format!(
-                "{}: a scene is a file with the extension .xml (Mitsuba 3), .gltf, .glb, .obj or .ply",
-                path.display()
-            )));
         }
     };
     builder.light_selection = options.lights;

@@ -1,10 +1,43 @@
 //! How a scene is to be read.
 
+use crate::error::one_of;
 use crate::scene::LightSelection;
+
+/// A format of scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneFormat {
+    /// Mitsuba 3.
+    Xml,
+    /// glTF 2.0, as text or binary.
+    Gltf,
+    /// Wavefront OBJ with its MTL files.
+    Obj,
+    /// A PLY mesh.
+    Ply,
+}
+
+impl SceneFormat {
+    /// Every format by its names: extensions of files, and values of `--format`.
+    pub const ALL: [(&str, Self); 5] =
+        [("xml", Self::Xml), ("gltf", Self::Gltf), ("glb", Self::Gltf), ("obj", Self::Obj), ("ply", Self::Ply)];
+}
+
+impl std::str::FromStr for SceneFormat {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        let found = Self::ALL.iter().find(|(known, _)| *known == name);
+        found
+            .map(|(_, format)| *format)
+            .ok_or_else(|| format!("valid are {}", one_of(Self::ALL.map(|(known, _)| known))))
+    }
+}
 
 /// How a scene is to be read.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
+    /// Its format; where it is nothing, the extension of its name says.
+    pub format: Option<SceneFormat>,
     /// Parameters of a Mitsuba scene, `-D name=value`.
     pub defines: Vec<(String, String)>,
     /// How its lights are selected.
