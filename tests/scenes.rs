@@ -570,3 +570,68 @@ fn energy_compensation_is_for_rough_metals_and_rough_glass() {
     let error = lumbre::scene::load(&path, &options).unwrap_err().to_string();
     assert!(error.contains("energy compensation"), "{error}");
 }
+
+/// Film, filter and number of samples are each sensor's own, and a crop shows what the whole image shows there.
+#[test]
+fn each_sensor_has_its_own_film() {
+    let sensor = |id: &str, width: u32, height: u32, more: &str, count: &str| {
+        format!(
+            r#"<sensor type="perspective" id="{id}"><float name="fov" value="40"/><film type="hdrfilm">
+            <integer name="width" value="{width}"/><integer name="height" value="{height}"/>{more}</film>{count}</sensor>"#
+        )
+    };
+    let sampler =
+        |count: u32| format!(r#"<sampler type="independent"><integer name="sample_count" value="{count}"/></sampler>"#);
+    let half = r#"<integer name="crop_offset_x" value="32"/><integer name="crop_width" value="32"/>
+        <integer name="crop_height" value="48"/><rfilter type="box"/>"#;
+    let sensors = [
+        sensor("wide", 64, 48, r#"<rfilter type="box"/>"#, &sampler(16)),
+        sensor("strip", 96, 32, r#"<rfilter type="tent"/>"#, &sampler(7)),
+        sensor("right_half", 64, 48, half, ""),
+        String::from(r#"<sensor type="perspective" id="bare"/>"#),
+    ];
+    let scene = load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{}</scene>"#, sensors.concat()))]).unwrap();
+    let asked = |name: &str| {
+        let camera = scene.camera(Some(name)).unwrap();
+        let mut own = settings(&scene, "path", Backend::Bvh);
+        own.set_camera(&scene, Some(name)).unwrap();
+        let film = scene.film_of(camera);
+        assert_eq!((own.width, own.height, own.filter), (film.width, film.height, film.filter), "{name}");
+        (film.width, film.height, film.filter, scene.spp_of(camera))
+    };
+    assert_eq!(asked("wide"), (64, 48, Filter::Box, Some(16)));
+    assert_eq!(asked("strip"), (96, 32, Filter::Tent { radius: 1.0 }, Some(7)));
+    assert_eq!(asked("right_half"), (32, 48, Filter::Box, None));
+    assert_eq!(asked("bare"), (768, 576, Filter::GAUSSIAN, None));
+    let [whole, part] = ["wide", "right_half"].map(|name| scene.camera(Some(name)).unwrap());
+    let [whole, part] = [whole.image_plane(64, 48), part.image_plane(32, 48)];
+    let off = |a: DVec3, b: DVec3| (a - b).length();
+    assert!(off(part.corner, whole.corner + 32.0 * whole.dx) < 1e-12);
+    assert!(off(part.dx, whole.dx) < 1e-15 && off(part.dy, whole.dy) < 1e-15);
+}
+
+/// A light of radiance 0 is a light: the image is black, and no sky stands in.
+#[test]
+fn lights_of_radiance_0_are_lights() {
+    let wall = r#"<shape type="rectangle"><bsdf type="diffuse"/></shape>"#;
+    let black = |name: &str| format!(r#"<rgb name="{name}" value="0"/>"#);
+    for body in [
+        format!(r#"{wall}<emitter type="constant">{}</emitter>"#, black("radiance")),
+        format!(r#"{wall}<emitter type="point">{}</emitter>"#, black("intensity")),
+        format!(r#"<shape type="rectangle"><emitter type="area">{}</emitter></shape>"#, black("radiance")),
+    ] {
+        let scene = mitsuba(&body);
+        assert!(scene.background.is_none() && scene.lights.is_empty(), "{body}");
+        assert!(scene.warnings.iter().any(|warning| warning.contains("the image is black")), "{:?}", scene.warnings);
+    }
+    assert_eq!(
+        mean(&mitsuba(&format!(r#"{wall}<emitter type="constant">{}</emitter>"#, black("radiance"))), 1),
+        [0.0; 3]
+    );
+    assert!(mitsuba(wall).background.is_some(), "without any light one stands in");
+
+    let gltf = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_lights_punctual"],
+        "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 0}]}}}"#;
+    assert!(load(&[("scene.gltf", gltf)]).unwrap().background.is_none());
+}

@@ -79,10 +79,9 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
     if !args.quiet {
         print_warnings(&scene);
     }
-    scene.camera(args.camera.as_deref())?;
     let gpu = args.device.open()?;
     let mut settings = Settings::new(&scene, Technique::parse("path")?, choose_backend("auto", &gpu)?);
-    settings.camera.clone_from(&args.camera);
+    settings.set_camera(&scene, args.camera.as_deref())?;
     if let Some((width, height)) = args.size {
         (settings.width, settings.height) = (width, height);
     }

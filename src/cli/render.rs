@@ -18,7 +18,7 @@ use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
-use lumbre::scene::Scene;
+use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
 use lumbre::techniques::{Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
 
@@ -151,20 +151,21 @@ fn parse_sampler(text: &str) -> Result<Sampler, String> {
 const QUICK_SAMPLES: u64 = 1 << 17;
 
 /// Pixel samples that the rendering will come to: none where it is over at once, no end of them where that is not known.
-fn expected_samples(args: &RenderArgs, scene: &Scene) -> u64 {
+fn expected_samples(args: &RenderArgs, scene: &Scene, camera: &Camera) -> u64 {
     match (args.time, args.error) {
         (Some(seconds), _) if seconds < 2.0 => 0,
         (Some(_), _) | (None, Some(_)) => u64::MAX,
         (None, None) => {
-            let (width, height) = args.size.unwrap_or((scene.film.width, scene.film.height));
-            u64::from(width) * u64::from(height) * u64::from(asked_spp(args, scene))
+            let film = scene.film_of(camera);
+            let (width, height) = args.size.unwrap_or((film.width, film.height));
+            u64::from(width) * u64::from(height) * u64::from(asked_spp(args, scene, camera))
         }
     }
 }
 
 /// Samples per pixel that end the rendering, where time and error do not.
-fn asked_spp(args: &RenderArgs, scene: &Scene) -> u32 {
-    args.spp.or(scene.technique.spp).unwrap_or(DEFAULT_SPP)
+fn asked_spp(args: &RenderArgs, scene: &Scene, camera: &Camera) -> u32 {
+    args.spp.or(scene.spp_of(camera)).unwrap_or(DEFAULT_SPP)
 }
 
 const AOVS: [&str; 2] = ["variance", "samples"];
@@ -184,7 +185,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if !args.quiet {
         print_warnings(&scene);
     }
-    if expected_samples(args, &scene) <= QUICK_SAMPLES {
+    let camera = scene.camera(args.camera.as_deref())?;
+    if expected_samples(args, &scene, camera) <= QUICK_SAMPLES {
         compile_quickly();
     }
     let gpu = args.device.open()?;
@@ -200,10 +202,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         );
     }
 
-    let camera = scene.camera(settings.camera.as_deref())?.to_world.translation - scene.origin;
+    let stands_at = camera.to_world.translation - scene.origin;
     let shows = settings.technique.row.is_light_tracing();
-    if shows && !args.quiet && scene.is_within_smooth_glass(camera) {
-        eprintln!(
+    if shows && !args.quiet && scene.is_within_smooth_glass(stands_at) {
+        say!(
             "warning: the camera stands within smooth glass: {} shows it nothing that lies outside; valid is any other technique",
             settings.technique.row.name
         );
@@ -332,11 +334,11 @@ fn settle(
         )));
     }
     let mut settings = Settings::new(scene, technique, choose_backend(&args.backend, gpu)?);
+    let camera = scene.camera(args.camera.as_deref())?;
+    settings.set_camera(scene, args.camera.as_deref())?;
     if let Some((width, height)) = args.size {
         (settings.width, settings.height) = (width, height);
     }
-    scene.camera(args.camera.as_deref())?;
-    settings.camera.clone_from(&args.camera);
     settings.sampler = args.sampler;
     settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
@@ -359,14 +361,14 @@ fn settle(
         if shortened && !args.quiet {
             say!("note: paths end after {longest} segments, for --strategies to show all of them");
         }
-        settings.strategies = Some(Strategies::of(longest, scene.camera(args.camera.as_deref())?));
+        settings.strategies = Some(Strategies::of(longest, camera));
         settings.max_depth = Some(longest);
     }
     let spp = match (args.time, args.error) {
         (Some(_), _) => u32::MAX,
         (None, Some(_)) => args.spp.unwrap_or(u32::MAX),
-        (None, None) => asked_spp(args, scene),
+        (None, None) => asked_spp(args, scene, camera),
     };
-    settings.expected_samples = expected_samples(args, scene);
+    settings.expected_samples = expected_samples(args, scene, camera);
     Ok((settings, Job { outputs, spp, time: args.time }))
 }

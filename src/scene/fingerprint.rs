@@ -94,7 +94,7 @@ trait Part {
 impl Part for Camera {
     fn feed(&self, hasher: &mut impl Hasher) {
         // The name decides which camera `--camera NAME` is.
-        let Self { name, to_world, fov, axis, principal_point, projection, window } = self;
+        let Self { name, to_world, fov, axis, principal_point, projection, window, film, spp } = self;
         name.hash(hasher);
         bits(to_world, hasher);
         bits(fov, hasher);
@@ -102,6 +102,8 @@ impl Part for Camera {
         bits(principal_point, hasher);
         projection.feed(hasher);
         bits(window, hasher);
+        parts(film.as_slice(), hasher);
+        array(spp.as_slice(), hasher);
     }
 }
 
@@ -306,6 +308,8 @@ mod tests {
             principal_point: other |it| it[1] = 1.0;
             projection: other |it| *it = Projection::Orthographic;
             window: other |it| it[3] = 0.5;
+            film: other |it| *it = Some(FilmSettings { width: 1, height: 1, filter: Filter::Box });
+            spp: other |it| *it = Some(1);
         });
         check_fields!(FilmSettings, |scene| scene.film, {
             width: other |it| *it = 1;

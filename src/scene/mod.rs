@@ -54,7 +54,7 @@ macro_rules! scene_struct {
             pub source: PathBuf,
             /// Every camera; there is at least one.
             pub cameras: Vec<Camera>,
-            /// The image that the file asks for.
+            /// The image that the file asks for, but through cameras that have one of their own.
             pub film: FilmSettings,
             /// The technique that the file asks for, if any.
             pub technique: TechniqueRequest,
@@ -140,6 +140,16 @@ impl Scene {
             let valid = self.cameras.iter().enumerate().map(|(index, camera)| format!("{index} ('{}')", camera.name));
             Error::Usage(format!("{} has no camera '{name}'; it has {}", self.source.display(), one_of(valid)))
         })
+    }
+
+    /// The image that the file asks for through a camera.
+    pub fn film_of(&self, camera: &Camera) -> FilmSettings {
+        camera.film.unwrap_or(self.film)
+    }
+
+    /// Samples per pixel that the file asks for through a camera, if any.
+    pub fn spp_of(&self, camera: &Camera) -> Option<u32> {
+        if camera.film.is_some() { camera.spp } else { self.technique.spp }
     }
 
     /// Which of the materials some surface has, on either side, alone or in a blend: their indices, ascending.

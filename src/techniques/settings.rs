@@ -81,6 +81,14 @@ impl Settings {
         }
     }
 
+    /// Looks through the camera of that name or number, or the first one: with the image that the scene's file asks for through it.
+    pub fn set_camera(&mut self, scene: &Scene, name: Option<&str>) -> Result<()> {
+        let film = scene.film_of(scene.camera(name)?);
+        self.camera = name.map(str::to_owned);
+        (self.width, self.height, self.filter) = (film.width, film.height, film.filter);
+        Ok(())
+    }
+
     /// Layers of the film besides the image itself.
     pub fn layers(&self) -> u32 {
         self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::request::FilmSettings;
 use crate::error::{Error, Result};
 use crate::layout::{CAMERA_ORTHOGRAPHIC, CAMERA_PINHOLE, CAMERA_THIN_LENS};
 
@@ -54,6 +55,10 @@ pub struct Camera {
     pub projection: Projection,
     /// The part of the whole image that is rendered, in shares of it: left, top, width, height.
     pub window: [f64; 4],
+    /// The image that the file asks for through it, where that is not the scene's.
+    pub film: Option<FilmSettings>,
+    /// Samples per pixel that the file asks for through it, where it has a film of its own.
+    pub spp: Option<u32>,
 }
 
 /// The window that is the whole image.
@@ -85,8 +90,17 @@ pub struct ImagePlane {
 impl Camera {
     /// A pinhole camera.
     pub fn new(name: &str, to_world: DAffine3, fov: f64, axis: FovAxis) -> Self {
-        let projection = Projection::Pinhole;
-        Self { name: name.to_owned(), to_world, fov, axis, principal_point: [0.0; 2], projection, window: WHOLE }
+        Self {
+            name: name.to_owned(),
+            to_world,
+            fov,
+            axis,
+            principal_point: [0.0; 2],
+            projection: Projection::Pinhole,
+            window: WHOLE,
+            film: None,
+            spp: None,
+        }
     }
 
     /// Looks from `origin` at `target`.

@@ -4,7 +4,7 @@ use super::filter::Filter;
 use crate::error::one_of;
 
 /// The image that a scene file asks for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmSettings {
     /// Width in pixels.
     pub width: u32,

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::scene::camera::{Camera, FovAxis, Projection, look_at};
 use crate::scene::{FilmSettings, SceneBuilder};
 
-/// Pixels down the image; the first camera's aspect ratio gives those across.
+/// Pixels down the image; the camera's aspect ratio gives those across.
 const HEIGHT: u32 = 512;
 
 /// Adds the cameras that nodes carry. A node's scale does not change what a camera sees.
@@ -32,7 +32,7 @@ pub(super) fn load(document: &Document, placements: &[Placement], builder: &mut 
             _ if value.is_finite() && value > 0.0 => Ok(f64::from(value)),
             _ => Err(document.wrong(&name, format!("{what} is {value}, and must be finite and above 0"))),
         };
-        let (camera, aspect) = match (&camera.type_, &camera.perspective, &camera.orthographic) {
+        let (mut camera, aspect) = match (&camera.type_, &camera.perspective, &camera.orthographic) {
             (Checked::Valid(Type::Perspective), Some(view), _) => {
                 if !(view.yfov > 0.0 && view.yfov < PI) {
                     return Err(document.wrong(&name, format!("yfov is {}, and must be between 0 and pi", view.yfov)));
@@ -51,9 +51,14 @@ pub(super) fn load(document: &Document, placements: &[Placement], builder: &mut 
             }
             _ => return Err(document.wrong(&name, "its type is unknown or what it says of that type is missing")),
         };
-        if let (true, Some(aspect)) = (builder.cameras.is_empty(), aspect) {
+        if let Some(aspect) = aspect {
             let width = (f64::from(HEIGHT) * aspect).round().clamp(1.0, 16.0 * f64::from(HEIGHT)) as u32;
-            builder.film = FilmSettings { width, height: HEIGHT, ..builder.film };
+            let film = FilmSettings { width, height: HEIGHT, ..builder.film };
+            if builder.cameras.is_empty() {
+                builder.film = film;
+            } else {
+                camera.film = Some(film);
+            }
         }
         builder.cameras.push(camera);
     }

@@ -3,7 +3,8 @@
 use super::loader::Loader;
 use super::object::Object;
 use crate::error::{Result, one_of};
-use crate::scene::camera::{Camera, FovAxis, Projection};
+use crate::scene::FilmSettings;
+use crate::scene::camera::{Camera, FovAxis, Projection, WHOLE};
 use crate::scene::filter::Filter;
 
 const AXES: [(&str, FovAxis); 5] = [
@@ -42,16 +43,12 @@ impl Loader {
         }
         let principal_point =
             [object.float("principal_point_offset_x", 0.0)?, object.float("principal_point_offset_y", 0.0)?];
-        let first = self.builder.cameras.is_empty();
         let name = object.id.clone().unwrap_or_else(|| format!("camera{}", self.builder.cameras.len()));
-        self.builder.cameras.push(Camera { principal_point, projection, ..Camera::new(&name, to_world, fov, axis) });
-
-        if let Some(film) = object.object_of("film")? {
-            self.read_film(&film, first)?;
-        } else if first {
-            (self.builder.film.width, self.builder.film.height, self.builder.film.filter) =
-                (768, 576, Filter::GAUSSIAN);
-        }
+        let (film, window) = match object.object_of("film")? {
+            Some(film) => read_film(&film)?,
+            None => (FilmSettings { width: 768, height: 576, filter: Filter::GAUSSIAN }, WHOLE),
+        };
+        let mut camera = Camera { principal_point, projection, window, ..Camera::new(&name, to_world, fov, axis) };
         if let Some(sampler) = object.object_of("sampler")? {
             if !SAMPLERS.contains(&sampler.plugin.as_str()) {
                 return Err(sampler.unknown_plugin(&SAMPLERS));
@@ -59,64 +56,66 @@ impl Loader {
             let count = sampler.optional_integer("sample_count")?.unwrap_or(4);
             sampler.optional_integer("seed")?;
             let spp = u32::try_from(count).ok().filter(|count| *count > 0);
-            let spp = spp.ok_or_else(|| sampler.property_error("sample_count", format!("{count} is not 1 or more")))?;
-            if first {
-                self.builder.technique.spp = Some(spp);
-            }
+            camera.spp =
+                Some(spp.ok_or_else(|| sampler.property_error("sample_count", format!("{count} is not 1 or more")))?);
             sampler.finish()?;
         }
+        if self.builder.cameras.is_empty() {
+            (self.builder.film, self.builder.technique.spp) = (film, camera.spp.take());
+        } else {
+            camera.film = Some(film);
+        }
+        self.builder.cameras.push(camera);
         object.finish()
     }
+}
 
-    fn read_film(&mut self, film: &Object, first: bool) -> Result<()> {
-        if film.plugin != "hdrfilm" {
-            return Err(film.unknown_plugin(&["hdrfilm"]));
-        }
-        let size = |name: &'static str, default: i64| {
-            let value = film.optional_integer(name)?.unwrap_or(default);
-            u32::try_from(value)
-                .ok()
-                .filter(|value| (1..=65536).contains(value))
-                .ok_or_else(|| film.property_error(name, format!("{value} is not in 1 to 65536")))
+/// The image of a `<film>`, and the part of the whole image that it is.
+fn read_film(film: &Object) -> Result<(FilmSettings, [f64; 4])> {
+    if film.plugin != "hdrfilm" {
+        return Err(film.unknown_plugin(&["hdrfilm"]));
+    }
+    let mut window = WHOLE;
+    let size = |name: &'static str, default: i64| {
+        let value = film.optional_integer(name)?.unwrap_or(default);
+        u32::try_from(value)
+            .ok()
+            .filter(|value| (1..=65536).contains(value))
+            .ok_or_else(|| film.property_error(name, format!("{value} is not in 1 to 65536")))
+    };
+    let (mut width, mut height) = (size("width", 768)?, size("height", 576)?);
+    if ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"].iter().any(|name| film.has(name)) {
+        let (whole_width, whole_height) = (width, height);
+        let offset = |name: &'static str| -> Result<u32> {
+            let value = film.optional_integer(name)?.unwrap_or(0);
+            u32::try_from(value).map_err(|_| film.property_error(name, format!("{value} is negative")))
         };
-        let (mut width, mut height) = (size("width", 768)?, size("height", 576)?);
-        if ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"].iter().any(|name| film.has(name)) {
-            let (whole_width, whole_height) = (width, height);
-            let offset = |name: &'static str| -> Result<u32> {
-                let value = film.optional_integer(name)?.unwrap_or(0);
-                u32::try_from(value).map_err(|_| film.property_error(name, format!("{value} is negative")))
-            };
-            let (left, top) = (offset("crop_offset_x")?, offset("crop_offset_y")?);
-            (width, height) = (size("crop_width", i64::from(width))?, size("crop_height", i64::from(height))?);
-            if u64::from(left) + u64::from(width) > u64::from(whole_width)
-                || u64::from(top) + u64::from(height) > u64::from(whole_height)
-            {
-                return Err(film.error(format!(
+        let (left, top) = (offset("crop_offset_x")?, offset("crop_offset_y")?);
+        (width, height) = (size("crop_width", i64::from(width))?, size("crop_height", i64::from(height))?);
+        if u64::from(left) + u64::from(width) > u64::from(whole_width)
+            || u64::from(top) + u64::from(height) > u64::from(whole_height)
+        {
+            return Err(film.error(format!(
                     "the crop of {width} x {height} pixels at ({left}, {top}) does not fit into {whole_width} x {whole_height}"
                 )));
-            }
-            let share = |part: u32, whole: u32| f64::from(part) / f64::from(whole);
-            if let Some(camera) = self.builder.cameras.last_mut() {
-                camera.window = [
-                    share(left, whole_width),
-                    share(top, whole_height),
-                    share(width, whole_width),
-                    share(height, whole_height),
-                ];
-            }
         }
-        for ignored in ["file_format", "pixel_format", "component_format"] {
-            film.optional_text(ignored)?; // what is written is the command line's business
-        }
-        let filter = match film.object_of("rfilter")? {
-            Some(filter) => read_filter(&filter)?,
-            None => Filter::GAUSSIAN,
-        };
-        if first {
-            (self.builder.film.width, self.builder.film.height, self.builder.film.filter) = (width, height, filter);
-        }
-        film.finish()
+        let share = |part: u32, whole: u32| f64::from(part) / f64::from(whole);
+        window = [
+            share(left, whole_width),
+            share(top, whole_height),
+            share(width, whole_width),
+            share(height, whole_height),
+        ];
     }
+    for ignored in ["file_format", "pixel_format", "component_format"] {
+        film.optional_text(ignored)?; // what is written is the command line's business
+    }
+    let filter = match film.object_of("rfilter")? {
+        Some(filter) => read_filter(&filter)?,
+        None => Filter::GAUSSIAN,
+    };
+    film.finish()?;
+    Ok((FilmSettings { width, height, filter }, window))
 }
 
 pub(super) fn field_of_view(object: &Object) -> Result<(f64, FovAxis)> {
