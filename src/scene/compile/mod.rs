@@ -85,7 +85,8 @@ impl SceneBuilder {
         let records = material_records(&self.materials, &mut tables);
 
         let lamps: Vec<Light> = self.lamps.iter().map(|lamp| lamp.entry(origin, &mut tables)).collect();
-        if lamps.is_empty() && flat.emitters.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
+        let is_lit = self.has_area_light || !lamps.is_empty() || !flat.emitters.is_empty() || self.background.is_some();
+        if !is_lit {
             self.warnings.push(String::from("the scene has no light: a white sky of radiance 1 stands in"));
             self.background = Some([1.0; 3]);
         }
@@ -117,6 +118,10 @@ impl SceneBuilder {
             &mut flat.surfaces,
             &mut flat.primitives,
         );
+
+        if table.lights.is_empty() && self.background.is_none_or(|rgb| importance(rgb) == 0.0) {
+            self.warnings.push(String::from("all lights of the scene have radiance 0: the image is black"));
+        }
 
         for camera in &mut self.cameras {
             camera.to_world.translation -= origin;

@@ -35,6 +35,8 @@ pub struct SceneBuilder {
     pub background: Option<[f64; 3]>,
     /// A texture that multiplies it, and the image's axes in the world (its up axis is the second).
     pub environment: Option<(u32, DMat3)>,
+    /// Whether a surface was described as a light, be its radiance 0. No sky stands in for lights of a scene that has some, dark as they are.
+    pub has_area_light: bool,
     /// How its lights are selected.
     pub light_selection: LightSelection,
     /// Give images of materials smaller levels of detail.
@@ -72,6 +74,7 @@ impl SceneBuilder {
             lamps: Vec::new(),
             background: None,
             environment: None,
+            has_area_light: false,
             light_selection: LightSelection::default(),
             mip_maps: false,
             warnings: Vec::new(),

@@ -100,6 +100,7 @@ impl Loader {
             None if emission.is_some() => Sides::default(),
             None => Sides { front: Some(self.builder.material(material::diffuse([0.5; 3]))), ..Sides::default() },
         };
+        self.builder.has_area_light |= emission.is_some();
         let (emission, emission_texture) = emission.unwrap_or_default();
         Ok(self.builder.surface(SurfaceDescription {
             front: sides.front,
