@@ -37,8 +37,10 @@ mod merging;
 mod metrics;
 mod metropolis;
 mod mip_maps;
+mod obj;
 #[cfg(unix)]
 mod peer;
+mod ply;
 mod radiosity;
 mod rays;
 mod recursion;

@@ -218,12 +218,12 @@ fn broken_obj_files() {
     obj("v 0 0 0\n", "no faces");
     obj("v 0 0\n", "mesh.obj:1");
     obj("v a b c\n", "mesh.obj:1");
-    obj(&format!("{square}f 1 2 9\n"), "does not exist");
+    obj(&format!("{square}f 1 2 9\n"), "mesh.obj:4: the face refers to vertex 9");
     obj(&format!("{square}f 1 2 -9\n"), "mesh.obj");
     obj(&format!("{square}f 1 2 0\n"), "mesh.obj");
     obj(&format!("{square}f 1 2 99999999999999999999\n"), "mesh.obj:4");
     obj(&format!("{square}f a b c\n"), "mesh.obj:4");
-    obj(&format!("{square}vn 0 0 1\nf 1//7 2//7 3//7\n"), "does not exist");
+    obj(&format!("{square}vn 0 0 1\nf 1//7 2//7 3//7\n"), "normal 7");
     obj("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "must be finite");
     obj("v inf 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "must be finite");
     refused("mesh.obj", b"v 0 0 0\nv \xff\xff\xff\n");

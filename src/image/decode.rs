@@ -1,4 +1,4 @@
-//! Decoding the images that textures show: PNG, JPEG, Radiance HDR and EXR, from files or from memory.
+//! Decoding the images that textures show: PNG, JPEG, WebP, BMP, TGA, Radiance HDR and EXR, from files or from memory.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -20,6 +20,10 @@ pub enum Encoding {
     Linear,
 }
 
+/// Formats beside EXR.
+const FORMATS: [ImageFormat; 6] =
+    [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP, ImageFormat::Bmp, ImageFormat::Tga, ImageFormat::Hdr];
+
 /// Reads an image file.
 pub fn read_texture(path: &Path, encoding: Encoding) -> Result<TextureImage> {
     decode_texture(&read_bytes(path, FILE_BYTES)?, path, encoding)
@@ -36,8 +40,14 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
     }
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| Error::read(source, error))?;
-    let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr)) = reader.format() else {
-        return Err(wrong(String::from("not an image that is read: valid are PNG, JPEG, Radiance HDR and EXR")));
+    // A TGA file has no mark of its own.
+    if reader.format().is_none() && source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga")) {
+        reader.set_format(ImageFormat::Tga);
+    }
+    let Some(format) = reader.format().filter(|format| FORMATS.contains(format)) else {
+        return Err(wrong(String::from(
+            "not an image that is read: valid are PNG, JPEG, WebP, BMP, TGA, Radiance HDR and EXR",
+        )));
     };
     let mut limits = Limits::default();
     limits.max_image_width = Some(SIDE);
@@ -56,6 +66,10 @@ pub fn decode_texture(bytes: &[u8], source: &Path, encoding: Encoding) -> Result
         ImageFormat::Png => 8 * DEFLATE_RATIO / u64::from(decoder.original_color_type().bits_per_pixel()).max(1),
         // A block of 8 x 8 takes one bit at the least.
         ImageFormat::Jpeg => 8 * 64,
+        // Codes of no bits: one colour takes a few bytes, whatever its size.
+        ImageFormat::WebP => 1 << 20,
+        // Runs of 255 and of 128 texels.
+        ImageFormat::Bmp | ImageFormat::Tga => 128,
         // Runs of the old form: 12 bytes repeat a texel for longer than a row is.
         _ => u64::from(SIDE) / 12,
     };

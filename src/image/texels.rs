@@ -28,6 +28,24 @@ pub struct TextureImage {
     pub texels: Texels,
 }
 
+impl Texels {
+    /// Whether some texel's alpha is below 1.
+    pub fn has_alpha(&self) -> bool {
+        match self {
+            Self::Srgb8(texels) | Self::Linear8(texels) => texels.iter().any(|texel| texel[3] < 255),
+            Self::Float(texels) => texels.iter().any(|texel| texel[3] < 1.0),
+        }
+    }
+
+    /// Whether red, green and blue are equal in all texels.
+    pub fn is_grey(&self) -> bool {
+        match self {
+            Self::Srgb8(texels) | Self::Linear8(texels) => texels.iter().all(|[r, g, b, _]| r == g && g == b),
+            Self::Float(texels) => texels.iter().all(|[r, g, b, _]| r == g && g == b),
+        }
+    }
+}
+
 impl TextureImage {
     /// Its texels as the device reads them.
     pub fn bytes(&self) -> &[u8] {

@@ -210,9 +210,19 @@ impl SceneBuilder {
         self.surfaces.len() - 1
     }
 
+    /// A surface that was added.
+    pub fn surface_mut(&mut self, surface: usize) -> &mut SurfaceDescription {
+        &mut self.surfaces[surface]
+    }
+
     /// Adds a diffuse surface that is the same from both sides: short for [`Self::material`] and [`Self::surface`].
     pub fn matte(&mut self, reflectance: [f32; 3]) -> usize {
         let material = self.material(material::diffuse(reflectance));
+        self.both_sides(material)
+    }
+
+    /// Adds a surface of one material that is the same from both sides.
+    pub fn both_sides(&mut self, material: usize) -> usize {
         self.surface(SurfaceDescription {
             front: Some(material),
             back: Some(material),

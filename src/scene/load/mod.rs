@@ -1,4 +1,4 @@
-//! Opening a scene file of any format: a module for each, which describes what a file holds to a [`SceneBuilder`].
+//! Opening a scene file of any format: a module for each, which describes what a file holds to a [`SceneBuilder`](super::SceneBuilder).
 
 pub mod gltf;
 mod limits;
@@ -6,12 +6,13 @@ pub mod mitsuba;
 pub mod obj;
 mod options;
 pub mod ply;
+mod polygons;
 mod serialized;
+mod tangents;
 
 use std::path::Path;
 
-use super::description::WORLD;
-use super::{Needs, Scene, SceneBuilder};
+use super::{Needs, Scene};
 use crate::error::{Error, Result, one_of};
 use crate::files::{FILE_BYTES, STANDARD_INPUT, take_standard_input};
 
@@ -58,13 +59,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         SceneFormat::Xml => mitsuba::load(path, options)?,
         SceneFormat::Gltf => gltf::load(path)?,
         SceneFormat::Obj => obj::load(path)?,
-        SceneFormat::Ply => {
-            let mut builder = SceneBuilder::new(path);
-            let surface = builder.matte([0.5; 3]);
-            let mesh = ply::read(path)?;
-            builder.mesh(WORLD, &path.display().to_string(), mesh, glam::DAffine3::IDENTITY, surface);
-            builder
-        }
+        SceneFormat::Ply => ply::load(path)?,
     };
     builder.light_selection = options.lights;
     builder.mip_maps = options.mip_maps;

@@ -3,66 +3,68 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
+use super::polygons;
 use crate::error::{Error, Result};
 use crate::files::open;
-use crate::scene::Mesh;
+use crate::image::srgb_to_linear;
+use crate::layout::MATERIAL_HAS_COLOURS;
+use crate::scene::description::WORLD;
+use crate::scene::{Mesh, SceneBuilder, material};
 
-/// Reads positions, normals (if all three are there), texture coordinates (`u`, `v` or `s`, `t`) and faces; polygons become fans of triangles.
+/// Names of texture coordinates, the first pair that a file has: those of Blender and MeshLab, of Mitsuba, and of others.
+const UVS: [[&str; 2]; 4] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+/// Names of colours.
+const COLOURS: [[&str; 3]; 3] =
+    [["red", "green", "blue"], ["r", "g", "b"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+/// Names of the list of a face's corners.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Reads a scene: the mesh in its vertices' colours, else in grey.
+pub fn load(path: &Path) -> Result<SceneBuilder> {
+    let mut builder = SceneBuilder::new(path);
+    let mesh = read_all(path, true)?;
+    let has_colours = !mesh.colours.is_empty();
+    let material = builder.material(material::diffuse([if has_colours { 1.0 } else { 0.5 }; 3]));
+    if has_colours {
+        builder.material_mut(material).record.flags |= MATERIAL_HAS_COLOURS;
+    }
+    let surface = builder.both_sides(material);
+    builder.mesh(WORLD, &path.display().to_string(), mesh, DAffine3::IDENTITY, surface);
+    Ok(builder)
+}
+
+/// Reads positions, normals (if all three are there), texture coordinates and faces, which may be polygons or strips of triangles.
 pub fn read(path: &Path) -> Result<Mesh> {
+    read_all(path, false)
+}
+
+/// Reads a mesh, with its vertices' colours if they are wanted.
+fn read_all(path: &Path, wants_colours: bool) -> Result<Mesh> {
     let wrong = |error: ParseError| parse_error(path, &error, "");
     let mut reader = Reader::new(BufReader::new(open(path)?));
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
-    let mut has_faces = false;
+    let mut faces = Faces::default();
     for (_, element) in &header.elements {
         // Any number of them would take no byte.
         if element.properties.is_empty() && element.count > 0 {
             return Err(Error::scene(path, format!("the element '{}' has no properties", element.name)));
         }
         match element.name.as_str() {
-            "vertex" => {
-                for needed in ["x", "y", "z"] {
-                    if !element.properties.contains_key(needed) {
-                        return Err(Error::scene(path, format!("the element 'vertex' has no property '{needed}'")));
-                    }
-                }
-                let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
-                let (has_normals, has_uvs) = (has(&["nx", "ny", "nz"]), has(&["u", "v"]) || has(&["s", "t"]));
-                in_batches(&mut reader, element, &header, |_, vertex: Vertex| {
-                    mesh.positions.push(vertex.position);
-                    if has_normals {
-                        mesh.normals.push(vertex.normal);
-                    }
-                    if has_uvs {
-                        mesh.uvs.push(vertex.uv);
-                    }
-                    Ok(())
-                })
-                .map_err(|error| error.located(path))?;
-            }
+            "vertex" => read_vertices(path, &mut reader, element, &header, wants_colours, &mut mesh)?,
             "face" => {
-                has_faces = true;
-                let indices = ["vertex_indices", "vertex_index"].iter().find_map(|name| element.properties.get(*name));
-                match indices.map(|property| &property.data_type) {
-                    Some(PropertyType::List(_, ScalarType::Float | ScalarType::Double) | PropertyType::Scalar(_)) => {
-                        return Err(Error::scene(
-                            path,
-                            "the element 'face' has vertex indices that are no list of integers",
-                        ));
-                    }
-                    None => return Err(Error::scene(path, "the element 'face' has no property 'vertex_indices'")),
-                    Some(_) => {}
-                }
-                in_batches(&mut reader, element, &header, |index, face: Face| {
-                    let [first, rest @ ..] = &face.0[..] else { return Ok(()) };
-                    if rest.len() < 2 {
-                        return Err(format!("face {index} has {} vertices, and needs three or more", face.0.len()));
-                    }
-                    mesh.triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+                check_corners(path, element)?;
+                in_batches(&mut reader, element, &header, |index, face: Corners| faces.push(index, &face.0))
+                    .map_err(|error| error.located(path))?;
+            }
+            "tristrips" => {
+                check_corners(path, element)?;
+                in_batches(&mut reader, element, &header, |_, strip: Corners| {
+                    faces.push_strips(&strip.0);
                     Ok(())
                 })
                 .map_err(|error| error.located(path))?;
@@ -74,14 +76,117 @@ pub fn read(path: &Path) -> Result<Mesh> {
             }
         }
     }
-    if mesh.positions.is_empty() || !has_faces {
-        return Err(Error::scene(
-            path,
-            "the file has no element 'vertex' with data, or no element 'face': it is not a mesh",
-        ));
+    if mesh.positions.is_empty() {
+        return Err(Error::scene(path, "the file has no element 'vertex' with data: it is not a mesh"));
     }
-    mesh.check_indices(path)?;
+    if faces.triangles.is_empty() && faces.counts.is_empty() {
+        return Err(Error::scene(path, "the file has no faces: there is nothing to render"));
+    }
+    faces.check(path, mesh.positions.len())?;
+    mesh.triangles = faces.triangles;
+    let polygons = polygons::cut(&mesh.positions, &faces.corners, faces.counts.into_iter());
+    mesh.triangles.extend(polygons.map_err(|message| Error::scene(path, message))?);
     Ok(mesh)
+}
+
+fn read_vertices(
+    path: &Path,
+    reader: &mut Reader<impl BufRead>,
+    element: &ElementDef,
+    header: &Header,
+    wants_colours: bool,
+    mesh: &mut Mesh,
+) -> Result<()> {
+    for needed in ["x", "y", "z"] {
+        if !element.properties.contains_key(needed) {
+            return Err(Error::scene(path, format!("the element 'vertex' has no property '{needed}'")));
+        }
+    }
+    let has = |names: &[&str]| names.iter().all(|name| element.properties.contains_key(*name));
+    let has_normals = has(&["nx", "ny", "nz"]);
+    let uvs = UVS.iter().position(|names| has(&names[..]));
+    let colours = COLOURS.iter().position(|names| wants_colours && has(&names[..]));
+    // Bytes are meant as painting programs have them, other numbers as they are.
+    let is_integer = colours.is_some_and(|set| {
+        let kind = element.properties.get(COLOURS[set][0]).map(|property| &property.data_type);
+        !matches!(kind, Some(PropertyType::Scalar(ScalarType::Float | ScalarType::Double)))
+    });
+    in_batches(reader, element, header, |_, vertex: Vertex| {
+        mesh.positions.push(vertex.position);
+        if has_normals {
+            mesh.normals.push(vertex.normal);
+        }
+        if let Some(set) = uvs {
+            mesh.uvs.push(Vec2::from(vertex.uvs[set]));
+        }
+        if let Some(set) = colours {
+            let channel = |value: f32| if is_integer { srgb_to_linear(value) } else { value };
+            let [r, g, b] = vertex.colours[set].map(|value| channel(value.clamp(0.0, 1.0)));
+            mesh.colours.push(Vec4::new(r, g, b, 1.0));
+        }
+        Ok(())
+    })
+    .map_err(|error| error.located(path))
+}
+
+/// Fails where an element has no list of corners, or one that is not of integers.
+fn check_corners(path: &Path, element: &ElementDef) -> Result<()> {
+    let name = &element.name;
+    match CORNERS.iter().find_map(|name| element.properties.get(*name)).map(|property| &property.data_type) {
+        Some(PropertyType::List(_, ScalarType::Float | ScalarType::Double) | PropertyType::Scalar(_)) => {
+            Err(Error::scene(path, format!("the element '{name}' has vertex indices that are no list of integers")))
+        }
+        None => Err(Error::scene(path, format!("the element '{name}' has no property 'vertex_indices'"))),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Faces before it is known where their corners are.
+#[derive(Default)]
+struct Faces {
+    triangles: Vec<[u32; 3]>,
+    /// The corners of all other polygons, and how many each has.
+    corners: Vec<u32>,
+    counts: Vec<usize>,
+}
+
+impl Faces {
+    fn push(&mut self, index: usize, corners: &[u32]) -> Result<(), String> {
+        match *corners {
+            [] => {}
+            [_] | [_, _] => {
+                return Err(format!("face {index} has {} vertices, and needs three or more", corners.len()));
+            }
+            [a, b, c] => self.triangles.push([a, b, c]),
+            _ => {
+                self.corners.extend(corners);
+                self.counts.push(corners.len());
+            }
+        }
+        Ok(())
+    }
+
+    /// Strips, with an index of -1 between them; every other triangle runs the other way.
+    fn push_strips(&mut self, corners: &[u32]) {
+        for strip in corners.split(|vertex| *vertex == u32::MAX) {
+            let turned =
+                |(index, w): (usize, &[u32])| if index % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            self.triangles.extend(strip.windows(3).enumerate().map(turned));
+        }
+    }
+
+    /// Fails where a face refers to a vertex that does not exist.
+    fn check(&self, path: &Path, count: usize) -> Result<()> {
+        let is_bad = |vertex: &u32| *vertex as usize >= count;
+        let triangle = self.triangles.iter().enumerate().find_map(|(index, triangle)| {
+            Some((format!("triangle {index}"), *triangle.iter().find(|vertex| is_bad(vertex))?))
+        });
+        let polygon = || Some((String::from("a polygon"), *self.corners.iter().find(|vertex| is_bad(vertex))?));
+        let Some((face, vertex)) = triangle.or_else(polygon) else { return Ok(()) };
+        let last = count.saturating_sub(1);
+        let message = format!("{face} refers to vertex {vertex}, and there are {count} vertices (0 to {last})");
+        Err(Error::scene(path, message))
+    }
 }
 
 /// Elements that are held at once as the parser returns them: each face is a list of its own there, which takes several times
@@ -145,20 +250,36 @@ fn parse_error(path: &Path, error: &ParseError, announced: &str) -> Error {
 struct Vertex {
     position: DVec3,
     normal: Vec3,
-    uv: Vec2,
+    /// Texture coordinates and colours, in the order of [`UVS`] and [`COLOURS`].
+    uvs: [[f32; 2]; UVS.len()],
+    colours: [[f32; 3]; COLOURS.len()],
 }
 
+/// The corners of a face or a strip.
 #[derive(Default)]
-struct Face(Vec<u32>);
+struct Corners(Vec<u32>);
 
 struct Skipped;
 
+/// A number.
 fn scalar(property: &Property) -> Option<f64> {
     match property {
         Property::Double(value) => Some(*value),
         Property::Float(value) => Some(f64::from(*value)),
         other => other.to_f32_lossy().map(f64::from),
     }
+}
+
+/// A colour as 0 to 1.
+fn share(property: &Property) -> Option<f64> {
+    let scale = match property {
+        Property::UChar(_) => 255.0,
+        Property::UShort(_) => 65535.0,
+        Property::Char(_) => 127.0,
+        Property::Short(_) => 32767.0,
+        _ => 1.0,
+    };
+    scalar(property).map(|value| value / scale)
 }
 
 impl PropertyAccess for Vertex {
@@ -175,24 +296,31 @@ impl PropertyAccess for Vertex {
             "nx" => self.normal.x = value as f32,
             "ny" => self.normal.y = value as f32,
             "nz" => self.normal.z = value as f32,
-            "u" | "s" => self.uv.x = value as f32,
-            "v" | "t" => self.uv.y = value as f32,
-            _ => return PropertyAccessResult::Ignored,
+            _ => {
+                let at = |names: &[&str]| names.iter().position(|known| *known == name);
+                if let Some(at) = at(UVS.as_flattened()) {
+                    self.uvs.as_flattened_mut()[at] = value as f32;
+                } else if let Some(at) = at(COLOURS.as_flattened()) {
+                    self.colours.as_flattened_mut()[at] = share(&property).unwrap_or_default() as f32;
+                } else {
+                    return PropertyAccessResult::Ignored;
+                }
+            }
         }
         PropertyAccessResult::Set
     }
 }
 
-impl PropertyAccess for Face {
+impl PropertyAccess for Corners {
     fn new() -> Self {
         Self::default()
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if name != "vertex_indices" && name != "vertex_index" {
+        if !CORNERS.contains(&name) {
             return PropertyAccessResult::Ignored;
         }
-        // A negative index is out of range, which the check of the whole mesh reports.
+        // A negative index is out of range, which the check of all faces reports.
         self.0 = match property {
             Property::ListChar(list) => list.into_iter().map(|index| i32::from(index) as u32).collect(),
             Property::ListShort(list) => list.into_iter().map(|index| i32::from(index) as u32).collect(),

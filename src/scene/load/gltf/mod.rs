@@ -12,7 +12,6 @@ mod lights;
 mod materials;
 mod nodes;
 mod primitives;
-mod tangents;
 mod textures;
 mod uri;
 

@@ -6,10 +6,10 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
-use super::tangents;
 use crate::error::Result;
 use crate::scene::Mesh;
 use crate::scene::description::ELEMENTS;
+use crate::scene::load::tangents;
 
 const SMALL: &[ComponentType] =
     &[ComponentType::F32, ComponentType::I8, ComponentType::U8, ComponentType::I16, ComponentType::U16];
