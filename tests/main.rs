@@ -26,6 +26,7 @@ mod faults;
 mod files;
 mod gltf;
 mod gltf_broken;
+mod gltf_extensions;
 mod hostile;
 mod killed;
 mod layout;

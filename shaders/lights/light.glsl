@@ -19,8 +19,8 @@ struct LightSample {
 LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false, 0.0); }
 
 // What the textures of a surface leave of its emission: what it lets through, it does not emit.
-vec3 emission_factor(Surface surface, vec2 uv) {
-    float opacity = surface_opacity(surface, uv);
+vec3 emission_factor(Surface surface, vec2 uv, float alpha) {
+    float opacity = surface_opacity(surface, uv, alpha);
     return surface.emission_texture == NONE ? vec3(opacity) : opacity * texture_at(surface.emission_texture, uv).rgb;
 }
 
@@ -94,10 +94,17 @@ LightSample light_sample(ReferencePoint r, vec4 u) {
 
 // Density over solid angle with which light_sample picks the emitting point that a ray from the reference point in this direction hit.
 float light_pdf(ReferencePoint r, Ray ray, Hit hit, Interaction at, Surface surface) {
-    if (HAS_LIGHT_TREE) surface.light_density *= light_tree_probability(r, surface.light_trail);
+    // The two sides of a triangle are two lights.
+    bool behind = HAS_LIGHTS_BEHIND && dot(ray.direction, at.normal) > 0.0;
+    if (HAS_LIGHT_TREE) surface.light_density *= light_tree_probability(r, behind ? surface.light_trail_behind : surface.light_trail);
     vec3 p = r.position;
     Primitive primitive;
     if (HAS_SPHERE_LIGHTS || HAS_LARGE_LIGHTS) primitive = load_primitive(hit.primitive);
+    if (HAS_LARGE_LIGHTS && behind) {
+        vec3 v1 = primitive.v1;
+        primitive.v1 = primitive.v2;
+        primitive.v2 = v1;
+    }
     if (HAS_SPHERE_LIGHTS) {
         if (is_sphere(primitive)) return sphere_light_pdf(primitive.v0, primitive.v1.x, p, at, surface.light_density, ray.direction);
     }

@@ -10,7 +10,7 @@ vec3 spot_intensity(Light light, vec3 away) {
     float falloff = angle <= beam ? 1.0 : clamp((cutoff - angle) / (cutoff - beam), 0.0, 1.0);
     if (light.v2.z != 0.0) {
         float edge = cos(cutoff);
-        float way = clamp((dot(away, light.v1) - edge) / max(0.001, cos(beam) - edge), 0.0, 1.0);
+        float way = clamp((dot(away, light.v1) - edge) / max(1e-6, cos(beam) - edge), 0.0, 1.0);
         falloff = way * way;
     }
     if (HAS_TEXTURED_SPOTS && light.source != NONE) {

@@ -5,7 +5,12 @@
 vec3 triangle_light_factor(Light light, vec2 b) {
     Vectors2 uvs = Vectors2(scene.uvs);
     vec2 uv = light.corners.x == NONE ? b : (1.0 - b.x - b.y) * uvs.at[light.corners.x] + b.x * uvs.at[light.corners.y] + b.y * uvs.at[light.corners.z];
-    return emission_factor(load_surface(light.source), uv);
+    float alpha = 1.0;
+    if (HAS_ALPHA_COLOURS && light.corners.x != NONE) {
+        Vectors4 colours = Vectors4(scene.colours);
+        alpha = (1.0 - b.x - b.y) * colours.at[light.corners.x].a + b.x * colours.at[light.corners.y].a + b.y * colours.at[light.corners.z].a;
+    }
+    return emission_factor(load_surface(light.source), uv, alpha);
 }
 
 LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {

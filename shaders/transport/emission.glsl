@@ -1,10 +1,11 @@
 // Light that a path from the camera runs into: emission of the surface where it arrives, or of the background.
 #include "transport/path.glsl"
 
-// Emitted radiance of the vertex towards where the path came from: from the geometric front only, which is the side that light
-// sampling chooses points of. A mask does not count here: a path that meets it has been let through by its share already.
+// Emitted radiance of the vertex towards where the path came from: from the geometric front only, unless the surface says otherwise, as light
+// sampling has it. A mask does not count here: a path that meets it has been let through by its share already.
 vec3 vertex_emission(Vertex v, Ray ray) {
-    if (dot(ray.direction, v.at.normal) >= 0.0) return vec3(0.0);
+    bool behind = dot(ray.direction, v.at.normal) >= 0.0;
+    if (behind && !(HAS_LIGHTS_BEHIND && (v.surface.flags & SURFACE_EMITS_BEHIND) != 0u)) return vec3(0.0);
     vec3 emission = v.surface.emission;
     if (HAS_TEXTURED_LIGHTS && v.surface.emission_texture != NONE && emission != vec3(0.0))
         emission *= texture_at(v.surface.emission_texture, v.at.uv).rgb;

@@ -99,7 +99,7 @@ Ray ray_between(vec3 origin, vec3 target) {
     return Ray(origin, d / distance, distance * (1.0 - gamma(8.0)));
 }
 
-float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv); }
+float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv, v.at.colour.a); }
 
 // The vertex as what lights shine on.
 ReferencePoint vertex_reference(Vertex v, Bsdf b) { return ReferencePoint(v.at.position, v.turned * v.basis.normal, bsdf_transmits(b)); }

@@ -16,7 +16,7 @@ bool trace_visible(inout Ray ray, out Hit hit, out Interaction at, inout Sampler
         if (found) {
             at = interaction_at(ray, hit);
             if (HAS_MASKS) {
-                float opacity = surface_opacity(load_surface(at.surface), at.uv);
+                float opacity = surface_opacity(load_surface(at.surface), at.uv, at.colour.a);
                 passing = opacity < 1.0 && (opacity == 0.0 || next4(random).x >= opacity);
                 if (passing) ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
             }
@@ -42,7 +42,7 @@ float trace_transmittance(Ray ray, inout uint rays) {
         rays += 1u;
         if (blocked && !first) {
             Interaction at = interaction_at(ray, hit);
-            through *= 1.0 - surface_opacity(load_surface(at.surface), at.uv);
+            through *= 1.0 - surface_opacity(load_surface(at.surface), at.uv, at.colour.a);
             blocked = through > 0.0;
             ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
             ray.t_max = distant ? INFINITY : max(0.0, dot(end - ray.origin, ray.direction));

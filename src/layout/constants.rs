@@ -46,6 +46,11 @@ shared_constants! {
     /// Flag on [`Material::flags`](super::Material::flags): what a rough metal or rough glass loses to multiple scattering comes back.
     pub const MATERIAL_IS_COMPENSATED = 64;
 
+    /// Flag on [`Surface::flags`](super::Surface::flags): the other side emits the same.
+    pub const SURFACE_EMITS_BEHIND = 1;
+    /// Flag on [`Surface::flags`](super::Surface::flags): the alpha of vertex colours multiplies the opacity.
+    pub const SURFACE_HAS_ALPHA_COLOURS = 2;
+
     /// A texture of texels.
     pub const TEXTURE_IMAGE = 0;
     /// A texture of two colours in squares.

@@ -62,6 +62,10 @@ macro_rules! features {
             textured_masks HAS_TEXTURED_MASKS: bool "textured masks",
                 of |scene, _| scene.surfaces.iter().any(|surface| surface.opacity_texture != NONE),
                 unspecialised |_| true;
+            /// Some surface's opacity goes by vertex colours.
+            alpha_colours HAS_ALPHA_COLOURS: bool "vertex alpha",
+                of |scene, _| scene.surfaces.iter().any(has_alpha_colours),
+                unspecialised |_| true;
             /// Some texture is a checkerboard.
             checkerboards HAS_CHECKERBOARDS: bool "checkerboards",
                 of |scene, _| scene.textures.iter().any(|texture| texture.kind == TEXTURE_CHECKERBOARD),
@@ -110,6 +114,10 @@ macro_rules! features {
             /// Some emission is textured or masked.
             textured_lights HAS_TEXTURED_LIGHTS: bool "textured lights",
                 of |scene, _| scene.surfaces.iter().any(emits_by_texture),
+                unspecialised |_| true;
+            /// Some surface emits from both sides.
+            lights_behind HAS_LIGHTS_BEHIND: bool "two-sided lights",
+                of |scene, _| scene.surfaces.iter().any(|surface| surface.flags & SURFACE_EMITS_BEHIND != 0),
                 unspecialised |_| true;
             /// The background emits.
             background HAS_BACKGROUND: bool "background",

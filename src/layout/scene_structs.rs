@@ -42,6 +42,8 @@ shared_structs! {
         light_density: float,
         /// The way through the light tree to this light: the lowest bit is the turn at the root.
         light_trail: uint,
+        /// The same of the light that its other side is, where that emits.
+        light_trail_behind: uint,
         /// Density with which light subpaths begin at a point of it, per area (1/m²).
         emission_density: float,
         /// Texture that multiplies the emission, or [`NONE`].
@@ -50,8 +52,10 @@ shared_structs! {
         opacity: float,
         /// Texture that multiplies the opacity, or [`NONE`].
         opacity_texture: uint,
-        /// With an opacity texture: where above 0, opacities below it count as 0 and others as 1.
+        /// Where the opacity varies: above 0, opacities below it count as 0 and others as 1.
         opacity_cutoff: float,
+        /// The `SURFACE_*` bits.
+        flags: uint,
     }
 
     /// The parameters of one BSDF; which of them count depends on `kind`.

@@ -23,7 +23,12 @@ fn texture_bits(scene: &Scene, bits: impl Fn(&Texture) -> u32) -> u32 {
 
 /// Whether a surface lets some light pass straight through.
 fn is_masked(surface: &Surface) -> bool {
-    surface.opacity < 1.0 || surface.opacity_texture != NONE
+    surface.opacity < 1.0 || surface.opacity_texture != NONE || has_alpha_colours(surface)
+}
+
+/// Whether the alpha of vertex colours multiplies a surface's opacity.
+fn has_alpha_colours(surface: &Surface) -> bool {
+    surface.flags & SURFACE_HAS_ALPHA_COLOURS != 0
 }
 
 /// Whether a surface emits, and not the same everywhere.
@@ -31,9 +36,10 @@ fn emits_by_texture(surface: &Surface) -> bool {
     surface.emission != [0.0; 3] && (surface.emission_texture != NONE || is_masked(surface))
 }
 
-/// Whether some material shows vertex colours that there are.
+/// Whether some material or some mask shows vertex colours that there are.
 fn shows_colours(scene: &Scene, census: &Census) -> bool {
-    census.flags & MATERIAL_HAS_COLOURS != 0 && !scene.colours.is_empty()
+    let are_shown = census.flags & MATERIAL_HAS_COLOURS != 0 || scene.surfaces.iter().any(has_alpha_colours);
+    are_shown && !scene.colours.is_empty()
 }
 
 /// Whether anything looks at the attributes of vertices that texture coordinates come with.

@@ -17,8 +17,9 @@ vec4 emission_and_density(ReferencePoint r, vec3 direction) {
     Hit hit;
     if (!trace_closest(ray, hit)) return HAS_BACKGROUND ? vec4(background_radiance(direction), background_pdf(direction)) : vec4(0.0);
     Vertex v = vertex_at(ray, hit);
-    if (v.surface.emission == vec3(0.0) || dot(direction, v.at.normal) >= 0.0) return vec4(0.0);
-    return vec4(vertex_emission(v, ray), light_pdf(r, ray, hit, v.at, v.surface));
+    vec3 emission = vertex_emission(v, ray);
+    if (emission == vec3(0.0)) return vec4(0.0);
+    return vec4(emission, light_pdf(r, ray, hit, v.at, v.surface));
 }
 
 void main() {

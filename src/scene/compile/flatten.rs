@@ -8,8 +8,8 @@ use glam::{DAffine3, DMat3, DQuat, Vec3, Vec4};
 use super::light::importance;
 use crate::error::{Error, Result};
 use crate::layout::{
-    Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_MASK, Surface,
-    TANGENT_BIT, UV_BIT,
+    Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_EMITS_BEHIND,
+    SURFACE_HAS_ALPHA_COLOURS, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
 };
 use crate::scene::Group;
 use crate::scene::description::{Group as GroupDescription, Mesh, Shape, Side, SurfaceDescription};
@@ -34,6 +34,8 @@ pub(super) struct Emitter {
     pub surface: usize,
     /// The primitive.
     pub primitive: usize,
+    /// It is the other side of the primitive's; the emitter before it is the front.
+    pub is_behind: bool,
 }
 
 /// The flat arrays while they grow.
@@ -72,11 +74,14 @@ impl Flat {
                     emission: description.emission.map(|channel| channel as f32),
                     light_density: 0.0,
                     light_trail: 0,
+                    light_trail_behind: 0,
                     emission_density: 0.0,
                     emission_texture: description.emission_texture.unwrap_or(NONE),
                     opacity: description.mask.map_or(1.0, |mask| mask.opacity as f32),
                     opacity_texture: description.mask.and_then(|mask| mask.texture).unwrap_or(NONE),
                     opacity_cutoff: description.mask.map_or(0.0, |mask| mask.cutoff as f32),
+                    flags: if description.emits_behind { SURFACE_EMITS_BEHIND } else { 0 }
+                        | if description.has_alpha_colours { SURFACE_HAS_ALPHA_COLOURS } else { 0 },
                 }
             })
             .collect();
@@ -151,7 +156,7 @@ impl Flat {
                     source: surface as u32,
                     ..Light::default()
                 };
-                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
+                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1, is_behind: false });
             }
         }
         Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
@@ -289,9 +294,14 @@ impl Flat {
             triangle.rotate_left(longest);
             let [v0, v1, v2] = triangle.map(|vertex| positions[vertex as usize]);
             // Of lights that lie on each other a ray sees one: what is sampled from the others would be light that is not there.
-            if emits && !self.emitting.insert(same_triangle([v0, v1, v2])) {
-                self.repeated += 1;
-                continue;
+            let behind = self.surfaces[surface].flags & SURFACE_EMITS_BEHIND != 0;
+            if emits {
+                let is_new = self.emitting.insert(same_triangle([v0, v1, v2]));
+                let is_new_behind = !behind || self.emitting.insert(same_triangle([v0, v2, v1]));
+                if !(is_new && is_new_behind) {
+                    self.repeated += 1;
+                    continue;
+                }
             }
             self.primitives.push(Primitive {
                 v0: v0.into(),
@@ -316,7 +326,13 @@ impl Flat {
                     corners: if flags & UV_BIT != 0 { triangle.map(corner) } else { [NONE; 3] },
                     ..Light::default()
                 };
-                self.emitters.push(Emitter { light, surface, primitive: self.primitives.len() - 1 });
+                let primitive = self.primitives.len() - 1;
+                self.emitters.push(Emitter { light, surface, primitive, is_behind: false });
+                if behind {
+                    let [a, b, c] = light.corners;
+                    let light = Light { v1: light.v2, v2: light.v1, corners: [a, c, b], ..light };
+                    self.emitters.push(Emitter { light, surface, primitive, is_behind: true });
+                }
             }
         }
         Ok(())

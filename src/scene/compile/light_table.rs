@@ -29,8 +29,8 @@ pub(super) struct LightTable {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub light: Light,
-    /// The surface and the primitive that it is, if it is one.
-    pub of: Option<(usize, usize)>,
+    /// The surface and the primitive that it is, if it is one, and whether it is the other side of that: the candidate before it is the front.
+    pub of: Option<(usize, usize, bool)>,
     pub factor: f64,
 }
 
@@ -40,7 +40,7 @@ impl Candidate {
     }
 
     pub fn emitter(emitter: &Emitter, factor: f64) -> Self {
-        Self { light: emitter.light, of: Some((emitter.surface, emitter.primitive)), factor }
+        Self { light: emitter.light, of: Some((emitter.surface, emitter.primitive, emitter.is_behind)), factor }
     }
 }
 
@@ -98,11 +98,12 @@ pub(super) fn arrange(
         light.trail = index.checked_sub(in_table).map_or(0, |leaf| trails[leaf]);
     }
     for (index, candidate) in candidates.iter().enumerate() {
-        let Some((mut surface, primitive)) = candidate.of else { continue };
+        let Some((mut surface, primitive, is_behind)) = candidate.of else { continue };
         if index >= in_table {
-            surface = own_surface(surfaces, &mut primitives[primitive]);
+            surface = if is_behind { surfaces.len() - 1 } else { own_surface(surfaces, &mut primitives[primitive]) };
             lights[index].source = surface as u32;
-            surfaces[surface].light_trail = trails[index - in_table];
+            let own = &mut surfaces[surface];
+            *if is_behind { &mut own.light_trail_behind } else { &mut own.light_trail } = trails[index - in_table];
         }
         let light = &lights[index];
         let Some(area) = area(light) else { continue };

@@ -10,7 +10,7 @@ pub struct Mask {
     pub opacity: f64,
     /// A texture that multiplies it.
     pub texture: Option<u32>,
-    /// Where above 0, opacities below it count as 0 and others as 1.
+    /// Where above 0, and what it stops is not the same everywhere, opacities below it count as 0 and others as 1.
     pub cutoff: f64,
 }
 
@@ -25,6 +25,10 @@ pub struct SurfaceDescription {
     pub emission: [f64; 3],
     /// A texture that multiplies it.
     pub emission_texture: Option<u32>,
+    /// The other side emits the same. Only of meshes.
+    pub emits_behind: bool,
     /// What it stops; nothing stops all.
     pub mask: Option<Mask>,
+    /// The alpha of vertex colours multiplies what it stops.
+    pub has_alpha_colours: bool,
 }

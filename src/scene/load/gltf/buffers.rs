@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::document::Document;
+use super::meshopt::{self, Compression};
 use super::uri::{Resource, resolve};
 use crate::error::Result;
 use crate::files::{FILE_BYTES, read_bytes};
@@ -11,10 +12,14 @@ use crate::files::{FILE_BYTES, read_bytes};
 /// The bytes of all buffers.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// Index into `data`, and the bytes that count, of each buffer.
-    buffers: Vec<(usize, usize)>,
+    /// Index into `data`, and the bytes that count, of each buffer; nothing where the file has no data for it.
+    buffers: Vec<Option<(usize, usize)>>,
     data: Vec<Vec<u8>>,
+    /// The bytes of views that were compressed.
+    decompressed: HashMap<usize, Vec<u8>>,
 }
+
+const MESHOPT: &str = "EXT_meshopt_compression";
 
 /// A part of a buffer.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +35,7 @@ impl Buffers {
     pub fn read(document: &Document) -> Result<Self> {
         let folder = document.path.parent().unwrap_or(Path::new(""));
         let mut files: HashMap<PathBuf, usize> = HashMap::new();
-        let mut all = Self { buffers: Vec::new(), data: Vec::new() };
+        let mut all = Self { buffers: Vec::new(), data: Vec::new(), decompressed: HashMap::new() };
         for (index, buffer) in document.buffers.iter().enumerate() {
             let element = format!("buffers[{index}]");
             let place = match &buffer.uri {
@@ -47,7 +52,11 @@ impl Buffers {
                 },
                 None => match document.binary.as_ref().filter(|_| index == 0) {
                     Some(bytes) => all.push(bytes.clone()),
-                    None => return Err(document.wrong(&element, "has no uri, and the file has no binary part for it")),
+                    // Nothing need refer to it: the views of such a buffer may have their data elsewhere, compressed.
+                    None => {
+                        all.buffers.push(None);
+                        continue;
+                    }
                 },
             };
             let (claimed, given) = (buffer.byte_length.0, all.data[place].len());
@@ -56,9 +65,39 @@ impl Buffers {
                     document.wrong(&element, format!("byteLength is {claimed}, and its data has {given} bytes"))
                 );
             }
-            all.buffers.push((place, claimed as usize));
+            all.buffers.push(Some((place, claimed as usize)));
         }
+        all.decompress(document)?;
         Ok(all)
+    }
+
+    /// Decompresses the views that are compressed.
+    fn decompress(&mut self, document: &Document) -> Result<()> {
+        let mut total = 0;
+        for (index, view) in document.buffer_views.iter().enumerate() {
+            let Some(extensions) = &view.extensions else { continue };
+            let place = format!("bufferViews[{index}]");
+            let found: Option<Compression> = document.extension(&extensions.others, MESHOPT, &place)?;
+            let Some(compression) = found else { continue };
+            let bytes =
+                self.bytes(document, compression.buffer, (compression.byte_offset, compression.byte_length), &place)?;
+            let data = meshopt::decompress(&compression, bytes)
+                .map_err(|message| document.wrong(&place, format!("extensions.{MESHOPT}: {message}")))?;
+            if data.len() as u64 != view.byte_length.0 {
+                let (found, claimed) = (data.len(), view.byte_length.0);
+                return Err(document
+                    .wrong(&place, format!("it has {found} bytes decompressed, and its byteLength is {claimed}")));
+            }
+            total += data.len() as u64;
+            if total > FILE_BYTES {
+                return Err(document.wrong(
+                    &place,
+                    format!("more than {FILE_BYTES} bytes are compressed by here, and no more are read"),
+                ));
+            }
+            self.decompressed.insert(index, data);
+        }
+        Ok(())
     }
 
     fn push(&mut self, bytes: Vec<u8>) -> usize {
@@ -69,21 +108,27 @@ impl Buffers {
     /// A buffer view, for the element that refers to it.
     pub fn view(&self, document: &Document, index: usize, element: &str) -> Result<View<'_>> {
         let view = document.get(&document.buffer_views, "bufferViews", index, element)?;
-        let place = format!("bufferViews[{index}]");
-        let (data, length) = *document.get(&self.buffers, "buffers", view.buffer.value(), &place)?;
-        let offset = view.byte_offset.map_or(0, |offset| offset.0);
-        let size = view.byte_length.0;
+        let stride = view.byte_stride.map(|stride| stride.0);
+        if let Some(bytes) = self.decompressed.get(&index) {
+            return Ok(View { bytes, stride });
+        }
+        let range = (view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0);
+        Ok(View { bytes: self.bytes(document, view.buffer.value(), range, &format!("bufferViews[{index}]"))?, stride })
+    }
+
+    /// So many bytes of a buffer from a byte on, for the view of that name.
+    fn bytes(&self, document: &Document, buffer: usize, (offset, size): (u64, u64), place: &str) -> Result<&[u8]> {
+        let Some((data, length)) = *document.get(&self.buffers, "buffers", buffer, place)? else {
+            let message = "has no uri, and the file has no binary part for it";
+            return Err(document.wrong(&format!("buffers[{buffer}]"), message));
+        };
         if offset.checked_add(size).is_none_or(|end| end > length as u64) {
-            let buffer = view.buffer.value();
             return Err(document.wrong(
-                &place,
+                place,
                 format!("{size} bytes from byte {offset} do not lie in buffers[{buffer}], which has {length}"),
             ));
         }
         let offset = offset as usize;
-        Ok(View {
-            bytes: &self.data[data][offset..offset + size as usize],
-            stride: view.byte_stride.map(|stride| stride.0),
-        })
+        Ok(&self.data[data][offset..offset + size as usize])
     }
 }

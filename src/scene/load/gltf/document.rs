@@ -1,9 +1,9 @@
 //! The file as a whole: its container, its JSON and its extensions.
 
+use std::f64::consts::FRAC_PI_4;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use gltf::json::extensions::scene::khr_lights_punctual::Light;
 use gltf::json::{self, Value};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -17,7 +17,10 @@ use crate::scene::load::limits::JSON_BYTES;
 const JSON: [u8; 4] = *b"JSON";
 
 /// What is read of the extensions; a file that requires any other is refused.
-const EXTENSIONS: [&str; 12] = [
+const EXTENSIONS: [&str; 15] = [
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -30,6 +33,12 @@ const EXTENSIONS: [&str; 12] = [
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+];
+
+/// What to do about some that are not read.
+const HINTS: [(&str, &str); 2] = [
+    ("KHR_draco_mesh_compression", "its meshes are compressed by Draco, and must be decompressed before; "),
+    ("KHR_texture_basisu", "its images are KTX2, and must be PNG, JPEG or WebP; "),
 ];
 
 /// A node, in double precision.
@@ -45,7 +54,16 @@ pub(super) struct Node {
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    pub weights: Option<Vec<f64>>,
     pub extensions: Map<String, Value>,
+}
+
+/// A skin.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub joints: Vec<usize>,
+    pub inverse_bind_matrices: Option<usize>,
 }
 
 /// A scene of the file.
@@ -57,6 +75,44 @@ pub(super) struct SceneEntry {
     pub element: String,
     pub nodes: Vec<usize>,
     pub extras: Value,
+}
+
+/// A light of KHR_lights_punctual, in double precision.
+#[derive(Debug, Deserialize)]
+pub(super) struct Light {
+    #[serde(rename = "type")]
+    pub kind: String,
+    #[serde(default = "white")]
+    pub color: [f64; 3],
+    #[serde(default = "one")]
+    pub intensity: f64,
+    pub range: Option<f64>,
+    #[serde(default)]
+    pub spot: Cones,
+}
+
+fn white() -> [f64; 3] {
+    [1.0; 3]
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// The angles of a spot from its axis, radians.
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct Cones {
+    #[serde(rename = "innerConeAngle")]
+    pub inner: f64,
+    #[serde(rename = "outerConeAngle")]
+    pub outer: f64,
+}
+
+impl Default for Cones {
+    fn default() -> Self {
+        Self { inner: 0.0, outer: FRAC_PI_4 }
+    }
 }
 
 /// The elements of a file; none refers to another yet.
@@ -76,6 +132,7 @@ pub(super) struct Document {
     pub nodes: Vec<Node>,
     pub samplers: Vec<json::texture::Sampler>,
     pub scenes: Vec<SceneEntry>,
+    pub skins: Vec<Skin>,
     pub textures: Vec<json::Texture>,
     scene: Option<usize>,
     extensions_used: Vec<String>,
@@ -92,17 +149,19 @@ impl Document {
             let message = format!("its JSON has {} bytes, and {JSON_BYTES} is the most that is read", text.len());
             return Err(Error::scene(path, message));
         }
-        let value: Value = serde_json::from_slice(text)
+        let mut value: Value = serde_json::from_slice(text)
             .map_err(|error| Error::scene(path, format!("not a glTF file: its JSON is wrong: {error}")))?;
+        make_whole(&mut value);
         let Value::Object(mut root) = value else {
             return Err(Error::scene(path, "not a glTF file: its JSON is not an object"));
         };
         check_version(path, &root)?;
         let required: Vec<String> = elements(path, &mut root, "extensionsRequired")?;
         if let Some(unknown) = required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
+            let hint = HINTS.iter().find(|(name, _)| name == unknown).map_or("", |(_, hint)| hint);
             return Err(Error::scene(
                 path,
-                format!("the file requires the extension '{}'; read are {}", shown(unknown), one_of(EXTENSIONS)),
+                format!("the file requires the extension '{}'; {hint}read are {}", shown(unknown), one_of(EXTENSIONS)),
             ));
         }
         let scene = match root.remove("scene") {
@@ -128,6 +187,7 @@ impl Document {
             nodes: elements(path, &mut root, "nodes")?,
             samplers: elements(path, &mut root, "samplers")?,
             scenes: elements(path, &mut root, "scenes")?,
+            skins: elements(path, &mut root, "skins")?,
             textures: elements(path, &mut root, "textures")?,
             extensions_used: elements(path, &mut root, "extensionsUsed")?,
             has_animations: root.get("animations").and_then(Value::as_array).is_some_and(|all| !all.is_empty()),
@@ -208,6 +268,22 @@ impl Document {
     pub fn shares<const N: usize>(&self, element: &str, name: &str, values: [f32; N]) -> Result<[f32; N]> {
         values.iter().try_for_each(|value| self.share(element, name, *value).map(drop))?;
         Ok(values)
+    }
+}
+
+/// Makes numbers that are whole integers, however they are written: `1.0` and `1e2` are valid indices.
+fn make_whole(value: &mut Value) {
+    match value {
+        Value::Array(values) => values.iter_mut().for_each(make_whole),
+        Value::Object(members) => members.iter_mut().for_each(|(_, value)| make_whole(value)),
+        Value::Number(number) if number.is_f64() => {
+            let float = number.as_f64().unwrap_or(f64::NAN);
+            // Whole numbers beyond this have neighbours that are not.
+            if float.fract() == 0.0 && (0.0..9e15).contains(&float) {
+                *number = (float as u64).into();
+            }
+        }
+        _ => {}
     }
 }
 

@@ -53,6 +53,8 @@ pub(super) struct Loaded {
     /// What it takes of its primitives.
     pub wanted: Wanted,
     material: Option<usize>,
+    /// Its mask where vertex colours have an alpha that counts; nothing where that does not count.
+    varying: Option<Mask>,
 }
 
 /// The materials of a file, each added to the builder when something is first made of it.
@@ -89,12 +91,29 @@ impl<'a> Materials<'a> {
 }
 
 impl Loaded {
-    /// Lets vertex colours multiply the base colour.
-    pub fn with_colours(self, builder: &mut SceneBuilder) {
+    /// Lets vertex colours multiply the base colour, and their alpha its own.
+    pub fn with_colours(self, builder: &mut SceneBuilder, has_alpha: bool) {
         if let Some(material) = self.material {
             builder.material_mut(material).record.flags |= MATERIAL_HAS_COLOURS;
         }
+        if let Some(mask) = self.varying.filter(|_| has_alpha) {
+            let surface = builder.surface_mut(self.surface);
+            (surface.mask, surface.has_alpha_colours) = (Some(mask), true);
+        }
     }
+}
+
+/// A mask where no vertex has an alpha; nothing where it then stops all.
+fn constant(mask: Mask) -> Option<Mask> {
+    if mask.texture.is_some() {
+        return Some(mask);
+    }
+    let opacity = match mask.cutoff {
+        0.0 => mask.opacity,
+        cutoff if mask.opacity < cutoff => 0.0,
+        _ => 1.0,
+    };
+    (opacity < 1.0).then_some(Mask { opacity, texture: None, cutoff: 0.0 })
 }
 
 /// Reads one material.
@@ -204,10 +223,12 @@ impl Reader<'_, '_> {
         let [red, green, blue, alpha] = document.shares(&name, "baseColorFactor", pbr.base_color_factor.0)?;
         let base = [red, green, blue];
         let base_texture = self.texture("baseColorTexture", &references.base, Encoding::Srgb, COLOUR)?;
-        let mask = self.mask(material, alpha, &references.base)?;
+        let varying = self.mask(material, alpha, &references.base)?;
+        let mask = varying.and_then(constant);
         if extensions.unlit.is_some() {
             self.warn("an unlit material becomes a black surface that emits its base colour at radiance 1, and lights the scene");
-            return Ok(self.finish(None, base, base_texture, mask, material.double_sided));
+            let masks = (mask, varying);
+            return Ok(self.finish(None, base, base_texture, masks, material.double_sided));
         }
 
         let linear = Encoding::Linear;
@@ -283,7 +304,7 @@ impl Reader<'_, '_> {
         } else {
             self.texture("emissiveTexture", &references.emissive, Encoding::Srgb, COLOUR)?
         };
-        let mut loaded = self.finish(Some(id), emission, emissive, mask, material.double_sided);
+        let mut loaded = self.finish(Some(id), emission, emissive, (mask, varying), material.double_sided);
         loaded.wanted.tangents = has_normals;
         loaded.wanted.colours = true;
         Ok(loaded)
@@ -300,7 +321,7 @@ impl Reader<'_, '_> {
         material: Option<usize>,
         emission: [f32; 3],
         emission_texture: u32,
-        mask: Option<Mask>,
+        (mask, varying): (Option<Mask>, Option<Mask>),
         double_sided: bool,
     ) -> Loaded {
         let surface = self.builder.surface(SurfaceDescription {
@@ -308,14 +329,21 @@ impl Reader<'_, '_> {
             back: material.filter(|_| double_sided),
             emission: emission.map(f64::from),
             emission_texture: Some(emission_texture).filter(|texture| *texture != NONE),
+            emits_behind: double_sided,
             mask,
+            has_alpha_colours: false,
         });
-        let wanted =
-            Wanted { uv_set: self.textured.then_some(self.uv_set), opacity: mask.is_some(), ..Wanted::default() };
-        Loaded { surface, emits: emission != [0.0; 3], wanted, material }
+        let emits = emission != [0.0; 3];
+        let wanted = Wanted {
+            uv_set: self.textured.then_some(self.uv_set),
+            opacity: varying.is_some(),
+            emits,
+            ..Wanted::default()
+        };
+        Loaded { surface, emits, wanted, material, varying }
     }
 
-    /// What the alpha of the base colour lets through.
+    /// What the alpha of the base colour lets through, where it counts.
     fn mask(&mut self, material: &json::Material, alpha: f32, base: &Option<Reference>) -> Result<Option<Mask>> {
         let cutoff = match material.alpha_mode {
             Checked::Valid(AlphaMode::Opaque) => return Ok(None),
@@ -335,15 +363,8 @@ impl Reader<'_, '_> {
             return Ok(None); // no alpha is below it
         }
         let texture = self.texture("baseColorTexture", base, Encoding::Srgb, ALPHA)?;
-        if texture == NONE {
-            let opacity = match is_mask {
-                true if alpha < cutoff => 0.0,
-                true => 1.0,
-                false => f64::from(alpha),
-            };
-            return Ok((opacity < 1.0).then_some(Mask { opacity, texture: None, cutoff: 0.0 }));
-        }
-        Ok(Some(Mask { opacity: f64::from(alpha), texture: Some(texture), cutoff: f64::from(cutoff) }))
+        let texture = Some(texture).filter(|texture| *texture != NONE);
+        Ok(Some(Mask { opacity: f64::from(alpha), texture, cutoff: f64::from(cutoff) }))
     }
 
     /// Puts in what KHR_materials_volume says. Its thickness only says that there is an inside: paths go through the mesh.

@@ -1,11 +1,15 @@
 //! The hierarchy of nodes: where everything stands, and the meshes that it places.
 
+use std::collections::HashMap;
+
 use glam::{DAffine3, DMat4, DQuat, DVec3, Vec4};
 
 use super::accessors::Accessors;
 use super::buffers::Buffers;
 use super::document::{Document, Node, SceneEntry};
+use super::instancing;
 use super::materials::Materials;
+use super::pose::{self, Pose};
 use super::primitives::Primitives;
 use crate::error::Result;
 use crate::scene::description::WORLD;
@@ -79,6 +83,56 @@ enum Built {
     Parts(Vec<(Mesh, usize, String)>),
 }
 
+/// Where a mesh is to stand.
+struct Place {
+    mesh: usize,
+    to_world: DAffine3,
+    /// That of a mesh with a pose of its own, which is nowhere else.
+    pose: Option<Pose>,
+}
+
+/// The places of the meshes that nodes carry. What is scaled to nothing is left out.
+fn places(
+    document: &Document,
+    accessors: Accessors,
+    placements: &[Placement],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Place>> {
+    let stands: HashMap<usize, DAffine3> =
+        placements.iter().map(|placement| (placement.node, placement.to_world)).collect();
+    let mut places = Vec::new();
+    for placement in placements {
+        let (node, element) = (&document.nodes[placement.node], placement.element());
+        let Some(mesh) = node.mesh else { continue };
+        let weights = &document.get(&document.meshes, "meshes", mesh, &element)?.weights;
+        let weights = || weights.iter().flatten().map(|weight| f64::from(*weight)).collect();
+        let own_weights = node.weights.clone();
+        if own_weights.iter().flatten().any(|weight| !weight.is_finite()) {
+            return Err(document.wrong(&element, "its weights are not finite"));
+        }
+        if let Some(skin) = node.skin {
+            // Its joints place it, and not the node.
+            let joints = pose::joints(accessors, skin, &element, |node| stands.get(&node).copied())?;
+            let pose = Pose { weights: own_weights.unwrap_or_else(weights), joints: Some(joints) };
+            places.push(Place { mesh, to_world: DAffine3::IDENTITY, pose: Some(pose) });
+            continue;
+        }
+        for to_node in instancing::instances(accessors, node, &element)? {
+            let to_world = placement.to_world * to_node;
+            if to_world.matrix3.determinant() == 0.0 {
+                warnings.push(format!("{element}: it is scaled to nothing, and its mesh is left out"));
+                continue;
+            }
+            if !to_world.is_finite() || !to_world.inverse().is_finite() {
+                return Err(document.wrong(&element, "its scale is too large or too small to be undone"));
+            }
+            let pose = own_weights.clone().map(|weights| Pose { weights, joints: None });
+            places.push(Place { mesh, to_world, pose });
+        }
+    }
+    Ok(places)
+}
+
 /// Adds the meshes that nodes carry. One that several nodes use becomes a group that instances place; one that is used once
 /// or emits goes into the world.
 pub(super) fn load_meshes(
@@ -87,47 +141,36 @@ pub(super) fn load_meshes(
     placements: &[Placement],
     builder: &mut SceneBuilder,
 ) -> Result<()> {
+    let accessors = Accessors { document, buffers };
+    let places = places(document, accessors, placements, &mut builder.warnings)?;
     let mut materials = Materials::new(document, buffers);
-    let mut primitives = Primitives::new(Accessors { document, buffers });
+    let mut primitives = Primitives::new(accessors);
     let mut uses = vec![0usize; document.meshes.len()];
     let mut mirrored = vec![false; document.meshes.len()];
-    let mut skinned = false;
-    let mut places = Vec::new();
-    for placement in placements {
-        let node = &document.nodes[placement.node];
-        let Some(index) = node.mesh else { continue };
-        document.get(&document.meshes, "meshes", index, &placement.element())?;
-        skinned |= node.skin.is_some();
-        if placement.to_world.matrix3.determinant() == 0.0 {
-            builder
-                .warnings
-                .push(format!("{}: it is scaled to nothing, and its mesh is left out", placement.element()));
-            continue;
-        }
-        if !placement.to_world.inverse().is_finite() {
-            return Err(document.wrong(&placement.element(), "its scale is too large or too small to be undone"));
-        }
-        uses[index] += 1;
-        mirrored[index] |= placement.to_world.matrix3.determinant() < 0.0;
-        places.push((index, placement));
-    }
-    if skinned {
-        builder.warnings.push(String::from("skins are not read: meshes keep their own shape"));
+    for place in places.iter().filter(|place| place.pose.is_none()) {
+        uses[place.mesh] += 1;
+        mirrored[place.mesh] |= place.to_world.matrix3.determinant() < 0.0;
     }
     let mut built: Vec<Option<Built>> = vec![None; document.meshes.len()];
-    for (index, placement) in places {
-        uses[index] -= 1;
-        let is_last = uses[index] == 0;
-        let mesh = match built[index].take() {
+    for Place { mesh: index, to_world, pose } in places {
+        if pose.is_none() {
+            uses[index] -= 1;
+        }
+        let is_last = pose.is_some() || uses[index] == 0;
+        let known = if pose.is_none() { built[index].take() } else { None };
+        let mesh = match known {
             Some(mesh) => mesh,
-            None => build(document, &mut materials, &mut primitives, index, (!is_last, mirrored[index]), builder)?,
+            None => {
+                let use_ = Use { index, is_shared: !is_last, is_mirrored: mirrored[index], pose };
+                build(document, &mut materials, &mut primitives, use_, builder)?
+            }
         };
         let mut put = |mesh: Mesh, surface: usize, name: &str| {
-            builder.mesh(WORLD, name, placed(mesh, placement.to_world), placement.to_world, surface);
+            builder.mesh(WORLD, name, placed(mesh, to_world), to_world, surface);
         };
         match mesh {
             Built::Group(group) => {
-                builder.instance(group, placement.to_world);
+                builder.instance(group, to_world);
                 built[index] = Some(mesh);
             }
             Built::Parts(parts) if is_last => {
@@ -159,25 +202,38 @@ fn placed(mesh: Mesh, to_world: DAffine3) -> Mesh {
     mesh
 }
 
+/// What is to be built of a mesh.
+struct Use {
+    index: usize,
+    /// It stands elsewhere, too.
+    is_shared: bool,
+    /// Some place mirrors it.
+    is_mirrored: bool,
+    pose: Option<Pose>,
+}
+
 fn build(
     document: &Document,
     materials: &mut Materials,
     primitives: &mut Primitives,
-    index: usize,
-    (is_shared, is_mirrored): (bool, bool),
+    Use { index, is_shared, is_mirrored, pose }: Use,
     builder: &mut SceneBuilder,
 ) -> Result<Built> {
     let mut parts = Vec::new();
     let mut needs_world = !is_shared;
     let mesh = document.get(&document.meshes, "meshes", index, "nodes")?;
+    let pose = pose.unwrap_or_else(|| Pose {
+        weights: mesh.weights.iter().flatten().map(|weight| f64::from(*weight)).collect(),
+        joints: None,
+    });
     for (number, primitive) in mesh.primitives.iter().enumerate() {
         let element = format!("meshes[{index}].primitives[{number}]");
         let material = materials.get(builder, primitive.material.map(|index| index.value()), &element)?;
-        let Some(mesh) = primitives.read(primitive, &element, material.wanted, &mut builder.warnings)? else {
+        let Some(mesh) = primitives.read(primitive, &element, material.wanted, &pose, &mut builder.warnings)? else {
             continue;
         };
         if !mesh.colours.is_empty() {
-            material.with_colours(builder);
+            material.with_colours(builder, mesh.colours.iter().any(|colour| colour.w < 1.0));
         }
         // An instance has one sign of the bitangent for all its placements.
         needs_world |= material.emits || (is_mirrored && !mesh.tangents.is_empty());

@@ -6,6 +6,7 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
+use super::pose::{self, Pose};
 use crate::error::Result;
 use crate::scene::Mesh;
 use crate::scene::description::ELEMENTS;
@@ -16,6 +17,9 @@ const SMALL: &[ComponentType] =
 const SIGNED: &[ComponentType] = &[ComponentType::F32, ComponentType::I8, ComponentType::I16];
 const UNSIGNED: &[ComponentType] = &[ComponentType::F32, ComponentType::U8, ComponentType::U16];
 
+/// An extension that is not read.
+const DRACO: &str = "KHR_draco_mesh_compression";
+
 /// What a material takes of its primitives.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wanted {
@@ -25,8 +29,10 @@ pub(super) struct Wanted {
     pub tangents: bool,
     /// Vertex colours.
     pub colours: bool,
-    /// An opacity, which vertex colours do not change here.
+    /// The alpha of vertex colours.
     pub opacity: bool,
+    /// Light: what its vertices let through, it does not emit.
+    pub emits: bool,
 }
 
 /// Reads primitives.
@@ -59,6 +65,7 @@ impl<'a> Primitives<'a> {
         primitive: &Primitive,
         element: &str,
         wanted: Wanted,
+        pose: &Pose,
         warnings: &mut Vec<String>,
     ) -> Result<Option<Mesh>> {
         let (accessors, document) = (self.accessors, self.accessors.document);
@@ -69,13 +76,19 @@ impl<'a> Primitives<'a> {
             warnings.push(format!("{element}: points and lines are not read"));
             return Ok(None);
         }
-        if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
-            warnings.push(format!("{element}: morph targets are not read: the mesh keeps its own shape"));
-        }
         let attribute = |semantic: Semantic| {
             let name = format!("{element}.attributes.{}", semantic.to_string());
             primitive.attributes.get(&Checked::Valid(semantic)).map(|accessor| (accessor.value(), name))
         };
+        let compressed = primitive.extensions.as_ref().is_some_and(|others| others.others.contains_key(DRACO));
+        let has_data = |(accessor, _): &(usize, String)| {
+            document.accessors.get(*accessor).is_none_or(|accessor| accessor.buffer_view.is_some())
+        };
+        if compressed && !attribute(Semantic::Positions).as_ref().is_some_and(has_data) {
+            return Err(
+                document.wrong(element, format!("its data are in {DRACO}, which is not read: decompress it before"))
+            );
+        }
         let Some((positions, name)) = attribute(Semantic::Positions) else {
             return Err(document.wrong(element, "it has no POSITION"));
         };
@@ -110,25 +123,28 @@ impl<'a> Primitives<'a> {
         if let Some((index, name)) = attribute(Semantic::Colors(0)).filter(|_| wanted.colours) {
             let colours = accessors.vectors::<4>(index, &name, &[Type::Vec3, Type::Vec4], UNSIGNED, 1.0)?;
             same(&name, colours.len())?;
-            if wanted.opacity && colours.iter().any(|colour| colour[3] != 1.0) {
-                warnings.push(format!("{element}: the alpha of its vertex colours is not read"));
+            let counted = |[r, g, b, a]: [f32; 4]| Vec4::new(r, g, b, if wanted.opacity { a } else { 1.0 });
+            mesh.colours = colours.into_iter().map(|colour| counted(colour).clamp(Vec4::ZERO, Vec4::ONE)).collect();
+            // A light looks its vertices up together with texture coordinates.
+            if wanted.opacity && wanted.emits && mesh.uvs.is_empty() {
+                mesh.uvs = vec![Vec2::ZERO; positions.len()];
             }
-            mesh.colours = colours.into_iter().map(|colour| Vec4::from(colour).clamp(Vec4::ZERO, Vec4::ONE)).collect();
         }
         mesh.positions = positions.into_iter().map(|position| Vec3::from(position).as_dvec3()).collect::<Vec<DVec3>>();
         if wanted.tangents {
             // Tangents without normals are to be ignored.
-            match attribute(Semantic::Tangents).filter(|_| !mesh.normals.is_empty()) {
-                Some((index, name)) => {
-                    let tangents = accessors.vectors::<4>(index, &name, &[Type::Vec4], SIGNED, 1.0)?;
-                    if tangents.len() != mesh.positions.len() {
-                        let (found, wanted) = (tangents.len(), mesh.positions.len());
-                        return Err(document.wrong(&name, format!("has {found} elements, and POSITION has {wanted}")));
-                    }
-                    mesh.tangents = tangents.into_iter().map(Vec4::from).collect();
+            if let Some((index, name)) = attribute(Semantic::Tangents).filter(|_| !mesh.normals.is_empty()) {
+                let tangents = accessors.vectors::<4>(index, &name, &[Type::Vec4], SIGNED, 1.0)?;
+                if tangents.len() != mesh.positions.len() {
+                    let (found, wanted) = (tangents.len(), mesh.positions.len());
+                    return Err(document.wrong(&name, format!("has {found} elements, and POSITION has {wanted}")));
                 }
-                None => mesh = tangents::with_tangents(mesh),
+                mesh.tangents = tangents.into_iter().map(Vec4::from).collect();
             }
+        }
+        pose::apply(accessors, primitive, element, pose, &mut mesh)?;
+        if wanted.tangents && mesh.tangents.is_empty() {
+            mesh = tangents::with_tangents(mesh);
         }
         Ok((!mesh.triangles.is_empty()).then_some(mesh))
     }

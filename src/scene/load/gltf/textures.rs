@@ -7,13 +7,14 @@ use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material::NormalTexture;
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
+use serde::Deserialize;
 
 use super::buffers::Buffers;
 use super::document::Document;
 use super::uri::{Resource, resolve};
 use crate::error::Result;
 use crate::files::{FILE_BYTES, read_bytes};
-use crate::image::{Encoding, Texels, decode_texture};
+use crate::image::{Encoding, decode_texture};
 use crate::scene::SceneBuilder;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
@@ -65,6 +66,12 @@ enum Bytes {
     Inside(usize),
 }
 
+/// EXT_texture_webp: an image that stands in for the texture's own.
+#[derive(Deserialize)]
+struct Webp {
+    source: usize,
+}
+
 /// The textures of a file, each image decoded once per encoding.
 pub(super) struct Textures<'a> {
     document: &'a Document,
@@ -96,11 +103,17 @@ impl<'a> Textures<'a> {
         let document = self.document;
         let index = reference.texture;
         let texture = document.get(&document.textures, "textures", index, element)?;
-        if texture.source.value() == u32::MAX as usize {
-            builder.warnings.push(format!("textures[{index}] has no image that is read"));
+        let name = format!("textures[{index}]");
+        let webp: Option<Webp> = match &texture.extensions {
+            Some(extensions) => document.extension(&extensions.others, "EXT_texture_webp", &name)?,
+            None => None,
+        };
+        let source = webp.map_or(texture.source.value(), |webp| webp.source);
+        if source == u32::MAX as usize {
+            builder.warnings.push(format!("{name} has no image that is read"));
             return Ok(None);
         }
-        let image = self.image(builder, texture.source.value(), &format!("textures[{index}]"), encoding)?;
+        let image = self.image(builder, source, &name, encoding)?;
         if channel == ALPHA && !image.has_alpha && encoding == Encoding::Srgb {
             return Ok(None); // opaque everywhere: what meets it needs no look at it
         }
@@ -111,7 +124,6 @@ impl<'a> Textures<'a> {
         let mut description =
             TextureDescription { channel, map, ..TextureDescription::new(Pattern::Image(image.index)) };
         if let Some(sampler) = texture.sampler {
-            let name = format!("textures[{index}]");
             let sampler = document.get(&document.samplers, "samplers", sampler.value(), &name)?;
             let wrap = |mode: &Checked<WrappingMode>| match mode {
                 Checked::Valid(WrappingMode::ClampToEdge) => Ok(Wrap::Clamp),
@@ -151,10 +163,7 @@ impl<'a> Textures<'a> {
             Bytes::View(view) => decode_texture(self.buffers.view(document, *view, &name)?.bytes, &inside, encoding)?,
             Bytes::Inside(_) => decode_texture(&data, &inside, encoding)?,
         };
-        let has_alpha = match &texels.texels {
-            Texels::Srgb8(texels) | Texels::Linear8(texels) => texels.iter().any(|texel| texel[3] < 255),
-            Texels::Float(texels) => texels.iter().any(|texel| texel[3] < 1.0),
-        };
+        let has_alpha = texels.texels.has_alpha();
         let image = Image { index: builder.image(texels), has_alpha };
         builder.within_limits()?;
         self.images.insert((place, encoding), image);

@@ -108,6 +108,7 @@ impl Loader {
             emission,
             emission_texture,
             mask: sides.mask,
+            ..SurfaceDescription::default()
         }))
     }
 
