@@ -68,7 +68,7 @@ const BROKEN: &[(&str, &[&str])] = &[
     ("mitsuba/include_cycle.xml", &["include_cycle.xml:2", "more than 16 deep", "cycle"]),
     ("mitsuba/include_bomb.xml", &["bomb2.xml", "more than 1048576 elements"]),
     ("mitsuba/include_folder.xml", &["include_folder.xml:2", "it is not a file"]),
-    ("mitsuba/reference_to_itself.xml", &["reference_to_itself.xml:3", "unknown id 'g'"]),
+    ("mitsuba/reference_to_itself.xml", &["reference_to_itself.xml:2", "<shape> refers to itself"]),
     ("mitsuba/instance_of_its_own.xml", &["instance_of_its_own.xml:3", "instance", "inside a shapegroup"]),
     ("mitsuba/integrators.xml", &["integrators.xml:2", "'aov'", "may have one"]),
     ("mitsuba/lines_in_a_name.xml", &["lines_in_a_name.xml:2", "velvet\\nerror"]),

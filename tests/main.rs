@@ -38,6 +38,7 @@ mod merging;
 mod metrics;
 mod metropolis;
 mod mip_maps;
+mod mitsuba;
 mod obj;
 #[cfg(unix)]
 mod peer;

@@ -1,6 +1,8 @@
 // The cameras and the pixel filter.
 #include "core/sampling.glsl"
 
+float sinc(float x) { return abs(x) < 1e-3 ? 1.0 - x * x / 6.0 : sin(x) / x; }
+
 // The filter's value at a distance from the pixel's centre, up to a constant factor; the same formulas as
 // `Filter::value` in src/scene/description/filter.rs.
 float filter_value(float x) {
@@ -8,6 +10,7 @@ float filter_value(float x) {
     x = abs(x);
     if (FILTER == FILTER_TENT) return max(0.0, 1.0 - x / p);
     if (FILTER == FILTER_GAUSSIAN) return max(0.0, exp(-x * x / (2.0 * p * p)) - exp(-q * q / (2.0 * p * p)));
+    if (FILTER == FILTER_LANCZOS) return x < p ? sinc(PI * x) * sinc(PI * x / p) : 0.0;
     float inner = ((12.0 - 9.0 * p - 6.0 * q) * x + (-18.0 + 12.0 * p + 6.0 * q)) * x * x + (6.0 - 2.0 * p);
     float outer = (((-p - 6.0 * q) * x + (6.0 * p + 30.0 * q)) * x + (-12.0 * p - 48.0 * q)) * x + (8.0 * p + 24.0 * q);
     return (x < 1.0 ? inner : outer) / 6.0;
@@ -15,7 +18,7 @@ float filter_value(float x) {
 
 // Where the filter ends, in pixels.
 float filter_radius() {
-    return FILTER == FILTER_TENT ? scene.filter_parameters.x : FILTER == FILTER_GAUSSIAN ? scene.filter_parameters.y : FILTER == FILTER_MITCHELL ? 2.0 : 0.5;
+    return FILTER == FILTER_TENT || FILTER == FILTER_LANCZOS ? scene.filter_parameters.x : FILTER == FILTER_GAUSSIAN ? scene.filter_parameters.y : FILTER == FILTER_MITCHELL ? 2.0 : 0.5;
 }
 
 // Its value anywhere.

@@ -25,6 +25,7 @@ CameraConnection no_camera_connection() {
 CameraConnection camera_connect_light(Path path, EmittedRay e, out float camera_a) {
     CameraConnection c = no_camera_connection();
     camera_a = 0.0;
+    if (HIDES_EMITTERS) return c;
     LightView seen = light_view(e, path.random);
     if (!seen.visible) return c;
     camera_a = seen.camera.importance * seen.cosine / (seen.camera.distance2 * light_path_count());
@@ -41,7 +42,7 @@ CameraConnection camera_connect_vertex(Path path, vec3 power, Vertex v, Bsdf b, 
     CameraConnection c = no_camera_connection();
     c.view = camera_view(v.at.position, u.xy);
     vec3 local = vertex_to_local(v, c.view.direction);
-    if (!c.view.visible) return c;
+    if (!c.view.visible || is_hidden(true, v.at.surface)) return c;
     c.contribution = power * path.throughput * light_vertex_eval(v, b, path.ray, local, c.view.direction);
     if (c.contribution == vec3(0.0)) return c;
     c.contribution *= c.view.importance / (c.view.distance2 * light_path_count());
@@ -56,7 +57,7 @@ CameraConnection camera_connect_vertex(Path path, vec3 power, Vertex v, Bsdf b, 
 void camera_splat(CameraConnection c, uint sample_index, uint s, inout uint rays) {
     uint pixel = c.contribution != vec3(0.0) ? splat_pixel(c.position, c.u, c.contribution) : NONE;
     if (pixel == NONE) return;
-    c.contribution *= ray_transmittance(c.ray, c.absorption, rays);
+    c.contribution *= ray_transmittance(c.ray, true, c.absorption, rays);
     splat_weighted(pixel, sample_index, s, 1u, c.contribution, c.weight);
 }
 

@@ -24,7 +24,10 @@ float background_weight(Path path) {
 }
 
 // Contribution of the background where a path has left the scene.
-vec3 background_contribution(Path path) { return path.throughput * background_radiance(path.ray.direction); }
+vec3 background_contribution(Path path) {
+    if (HIDES_EMITTERS && path.depth == 0u) return vec3(0.0);
+    return path.throughput * background_radiance(path.ray.direction);
+}
 
 // Follows the path to its next vertex, and counts in full the emission there, or the background where the path leaves the scene; false
 // where it does.

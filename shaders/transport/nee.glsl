@@ -56,5 +56,5 @@ float nee_weight(NextEvent n) { return n.light.delta ? 1.0 : power_heuristic(n.l
 vec3 nee_contribution(Path path, Vertex v, Bsdf b, NextEvent n, vec3 carried, float weight, inout uint rays) {
     vec3 contribution = nee_unoccluded(carried, n.f, n.light) * weight;
     if (contribution == vec3(0.0)) return contribution;
-    return contribution * ray_transmittance(shadow_ray(v.at, n.light), vertex_absorption(v, b, path.absorption, n.wi), rays);
+    return contribution * ray_transmittance(shadow_ray(v.at, n.light), false, vertex_absorption(v, b, path.absorption, n.wi), rays);
 }

@@ -37,10 +37,11 @@ Vertex vertex_of(Ray ray, Hit hit, Interaction at) {
 Vertex vertex_at(Ray ray, Hit hit) { return vertex_of(ray, hit, interaction_at(ray, hit)); }
 
 // Follows the ray to the nearest surface that does not let it pass, and moves it on behind those that do; false where it leaves the scene.
-bool vertex_arrive(inout Ray ray, out Vertex v, inout Sampler random, inout uint rays) {
+// Rays from the camera pass emitters that are hidden.
+bool vertex_arrive(inout Ray ray, bool from_camera, out Vertex v, inout Sampler random, inout uint rays) {
     Hit hit;
     Interaction at;
-    if (!trace_visible(ray, hit, at, random, rays)) return false;
+    if (!trace_visible(ray, from_camera, hit, at, random, rays)) return false;
     v = vertex_of(ray, hit, at);
     return true;
 }
@@ -121,9 +122,9 @@ vec3 vertex_absorption(Vertex v, Bsdf b, vec3 absorption, vec3 local) {
     return local.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }
 
-// Share of light that passes along a ray through a medium of this absorption, from end to end.
-vec3 ray_transmittance(Ray ray, vec3 absorption, inout uint rays) {
-    float through = trace_transmittance(ray, rays);
+// Share of light that passes along a ray through a medium of this absorption, from end to end, one of which may be the camera.
+vec3 ray_transmittance(Ray ray, bool to_camera, vec3 absorption, inout uint rays) {
+    float through = trace_transmittance(ray, to_camera, rays);
     if (!HAS_ABSORPTION || absorption == vec3(0.0)) return vec3(through);
     return ray.t_max == INFINITY ? vec3(0.0) : through * exp(-absorption * ray.t_max);
 }

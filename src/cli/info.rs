@@ -1,6 +1,7 @@
 //! `lumbre info`: what a scene holds, what it needs, and what rendering it takes on the device.
 
 mod census;
+mod missing;
 
 use std::path::{Path, PathBuf};
 
@@ -22,6 +23,14 @@ pub(super) struct InfoArgs {
     #[command(flatten)]
     scene: SceneArgs,
 
+    /// List everything in these scenes, and in those of folders, that would be refused or left out, rather than the first of it
+    #[arg(long)]
+    missing: bool,
+
+    /// More scenes or folders
+    #[arg(value_name = "MORE", requires = "missing")]
+    more: Vec<PathBuf>,
+
     /// Size of the image in pixels, for the bytes on the device; by default the scene's
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
@@ -36,6 +45,10 @@ pub(super) struct InfoArgs {
 
 pub(super) fn run(args: &InfoArgs) -> Result<()> {
     check_json(args.json.as_deref())?;
+    if args.missing {
+        let named = std::iter::once(&args.scene.scene).chain(&args.more);
+        return missing::run(named.map(PathBuf::as_path), &args.scene.options(), args.json.as_deref());
+    }
     let scene = args.scene.load()?;
     print_warnings(&scene);
     // Everything but the size of the driver's acceleration structures is known without a device.

@@ -322,7 +322,10 @@ fn settle(
             parameters.iter().try_for_each(|(name, value)| technique.set(name, value))?;
             technique
         }
-        (None, None) => Technique::parse("path")?,
+        (None, None) => match &scene.technique.refused {
+            Some(refused) => return Err(Error::Usage(format!("{refused}; -i chooses another technique"))),
+            None => Technique::parse("path")?,
+        },
     };
     if let Some(q) = &args.rr_q {
         technique.set("q", q)?;

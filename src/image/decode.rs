@@ -4,7 +4,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
 use super::limits::{EXR_RATIO, SIDE, TEXELS, check_size};
 use super::{Texels, TextureImage, srgb_to_linear};
@@ -106,27 +106,45 @@ fn decode_exr(bytes: &[u8], source: &Path, check: impl Fn(u64, u64) -> Result<()
     for header in &meta.headers {
         check(header.layer_size.width() as u64, header.layer_size.height() as u64)?;
     }
-    let reader = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgba_channels(
-            |size, _| Pixels { width: size.width(), pixels: vec![[0.0; 4]; size.area()] },
-            |target: &mut Pixels, at, (r, g, b, a): (f32, f32, f32, f32)| {
-                target.pixels[at.y() * target.width + at.x()] = [r, g, b, a]
-            },
-        )
-        .first_valid_layer()
-        .all_attributes();
     // Threads are started for each image: they cost more than a small one does.
     let is_small = meta.headers.iter().all(|header| header.layer_size.area() < 1 << 18);
-    let reader = if is_small { reader.non_parallel() } else { reader };
-    let image = reader.from_buffered(Cursor::new(bytes)).map_err(wrong)?;
-    let size = image.layer_data.size;
+    let has = |name: &str| {
+        meta.headers
+            .iter()
+            .any(|header| header.channels.list.iter().any(|channel| channel.name.eq_case_insensitive(name)))
+    };
+    let new = |size: exr::math::Vec2<usize>| Pixels { width: size.width(), pixels: vec![[0.0; 4]; size.area()] };
+    let largest = || read().no_deep_data().largest_resolution_level();
+    macro_rules! texels {
+        ($channels:expr) => {{
+            let reader = $channels.first_valid_layer().all_attributes();
+            let reader = if is_small { reader.non_parallel() } else { reader };
+            let layer = reader.from_buffered(Cursor::new(bytes)).map_err(wrong)?.layer_data;
+            (layer.size, layer.channel_data.pixels.pixels)
+        }};
+    }
+    let (size, texels) = if !has("R") && has("Y") {
+        let set = |target: &mut Pixels, at: exr::math::Vec2<usize>, (y, a): (f32, f32)| {
+            target.pixels[at.y() * target.width + at.x()] = [y, y, y, a];
+        };
+        texels!(
+            largest()
+                .specific_channels()
+                .required("Y")
+                .optional("A", 1.0f32)
+                .collect_pixels(move |size, _| new(size), set)
+        )
+    } else {
+        let set = |target: &mut Pixels, at: exr::math::Vec2<usize>, (r, g, b, a): (f32, f32, f32, f32)| {
+            target.pixels[at.y() * target.width + at.x()] = [r, g, b, a];
+        };
+        texels!(largest().rgba_channels(move |size, _| new(size), set))
+    };
     finite(TextureImage {
         source: source.to_owned(),
         width: size.width() as u32,
         height: size.height() as u32,
-        texels: Texels::Float(image.layer_data.channel_data.pixels.pixels),
+        texels: Texels::Float(texels),
     })
 }
 

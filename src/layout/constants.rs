@@ -92,6 +92,8 @@ shared_constants! {
     pub const FILTER_GAUSSIAN = 2;
     /// The cubic of Mitchell and Netravali.
     pub const FILTER_MITCHELL = 3;
+    /// A sinc, windowed by a wider one.
+    pub const FILTER_LANCZOS = 4;
 
     /// Descriptor binding of [`SceneUniforms`](super::SceneUniforms).
     pub const BINDING_SCENE = 0;

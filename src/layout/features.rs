@@ -58,6 +58,10 @@ macro_rules! features {
             bump_maps HAS_BUMP_MAPS: bool "bump maps",
                 of |_, census| census.bump_maps,
                 unspecialised |_| true;
+            /// The camera looks through emitters and does not see the background.
+            hidden_emitters HIDES_EMITTERS: bool "hidden emitters",
+                of |scene, _| scene.technique.hide_emitters,
+                unspecialised |own| own;
             /// Some surface has a textured opacity.
             textured_masks HAS_TEXTURED_MASKS: bool "textured masks",
                 of |scene, _| scene.surfaces.iter().any(|surface| surface.opacity_texture != NONE),

@@ -71,7 +71,7 @@ macro_rules! scene_uniforms {
                 core_radius: float,
                 /// Value of one unit of the splats' fixed-point numbers.
                 splat_unit: float,
-                /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C).
+                /// Parameters of the pixel filter: tent (radius, 0); Gaussian (standard deviation, radius); Mitchell (B, C); Lanczos (lobes, 0).
                 filter_parameters: vec2,
                 /// One over the filter's integral.
                 filter_scale: float,

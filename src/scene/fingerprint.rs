@@ -133,14 +133,16 @@ impl Part for Filter {
             Self::Tent { radius } => bits(radius, hasher),
             Self::Gaussian { stddev, radius } => bits(&[*stddev, *radius], hasher),
             Self::Mitchell { b, c } => bits(&[*b, *c], hasher),
+            Self::Lanczos { lobes } => lobes.hash(hasher),
         }
     }
 }
 
 impl Part for TechniqueRequest {
     fn feed(&self, hasher: &mut impl Hasher) {
-        let Self { integrator, spp, max_depth, rr_depth } = self;
+        let Self { integrator, refused: _, hide_emitters, spp, max_depth, rr_depth } = self; // what is refused is for messages
         integrator.hash(hasher);
+        hide_emitters.hash(hasher);
         spp.hash(hasher);
         max_depth.hash(hasher);
         rr_depth.hash(hasher);
@@ -318,6 +320,8 @@ mod tests {
         });
         check_fields!(TechniqueRequest, |scene| scene.technique, {
             integrator: other |it| *it = Some((String::from("path"), Vec::new()));
+            refused: same |it| *it = Some(String::new());
+            hide_emitters: other |it| *it = true;
             spp: other |it| *it = Some(0);
             max_depth: other |it| *it = Some(None);
             rr_depth: other |it| *it = Some(0);
@@ -382,6 +386,8 @@ mod tests {
             &|it| it.film.filter = Filter::Mitchell { b: 1.0, c: 2.0 },
             &|it| it.film.filter = Filter::Mitchell { b: 2.0, c: 2.0 },
             &|it| it.film.filter = Filter::Mitchell { b: 1.0, c: 3.0 },
+            &|it| it.film.filter = Filter::Lanczos { lobes: 3 },
+            &|it| it.film.filter = Filter::Lanczos { lobes: 2 },
         ]);
         all_differ(&[
             &|it| it.cameras[0].projection = Projection::Pinhole,

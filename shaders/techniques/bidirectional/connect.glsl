@@ -14,7 +14,7 @@ LightPath light_path_of(uint index, uint sample_index) {
 }
 
 // Density per scaled area with which a point of the lens is chosen; 0 where no light subpath runs into one.
-float lens_choice() { return CONNECTS && MEETS_LENS && CAMERA == CAMERA_THIN_LENS ? 1.0 / scaled_area(lens_area()) : 0.0; }
+float lens_choice() { return CONNECTS && MEETS_LENS && !HIDES_EMITTERS && CAMERA == CAMERA_THIN_LENS ? 1.0 / scaled_area(lens_area()) : 0.0; }
 
 // Adds the contribution of (s, t) to the path's own pixel.
 void add_strategy(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
@@ -120,7 +120,7 @@ Connection connect(Path path, Vertex v, Bsdf b, SubpathMis m, bool both_sides, E
 
 // Adds the contribution of (s, t), as far as it comes through.
 void add_connection(Pixel pixel, inout Estimate e, uint s, uint t, Connection c) {
-    add_strategy(pixel, e, s, t, c.contribution * ray_transmittance(c.ray, c.absorption, e.rays), c.weight);
+    add_strategy(pixel, e, s, t, c.contribution * ray_transmittance(c.ray, false, c.absorption, e.rays), c.weight);
 }
 
 // (1, 1): the light itself connected to the camera, against (0, 2), the camera running into it.

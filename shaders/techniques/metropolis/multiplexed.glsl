@@ -135,7 +135,7 @@ bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
     // Segments of the whole path: by the camera alone one more than it has.
     uint segments = w.by_camera ? w.path.depth + 2u : w.s + w.t - 1u;
     bool left = multiplexed_step(w, e, found_by);
-    if (found_by.contribution != vec3(0.0)) contribute(e, segments, found_by.contribution * ray_transmittance(found_by.ray, found_by.absorption, e.rays) * found_by.weight);
+    if (found_by.contribution != vec3(0.0)) contribute(e, segments, found_by.contribution * ray_transmittance(found_by.ray, !w.by_camera && w.t == 1u, found_by.absorption, e.rays) * found_by.weight);
     return left;
 }
 

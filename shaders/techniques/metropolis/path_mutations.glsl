@@ -278,7 +278,7 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
         }
         Vertex met;
         Sampler masks = Sampler(m.random.chain, m.random.mutation, (i + (m.backwards ? 513u : 1u)) * VERTEX_NUMBERS + MASK_NUMBERS, 0u);
-        if (vertex_arrive(m.ray, met, masks, rays)) {
+        if (vertex_arrive(m.ray, !m.backwards && i == 1u, met, masks, rays)) {
             x.position = met.at.position;
             x.detail = uvec3(met.hit.instance, floatBitsToUint(met.hit.uv));
             x.index = met.hit.primitive;

@@ -60,6 +60,7 @@ vec3 light_value(inout PathVertex x, PathVertex before, vec3 direction, float di
 
 // F, and the densities of all vertices; nothing where the path contributes nothing.
 vec3 path_value(inout Route r, inout uint rays) {
+    if (HIDES_EMITTERS && r.segments == 1u) return vec3(0.0);
     vec3 value = vec3(1.0);
     vec3 absorption = HAS_ABSORPTION ? scene.camera_absorption : vec3(0.0);
     PathVertex before = route_vertex(r, 0u), x = route_vertex(r, 1u), next;
@@ -82,7 +83,7 @@ vec3 path_value(inout Route r, inout uint rays) {
             next = route_vertex(r, i + 1u);
             onwards = segment_direction(x, next);
             Vertex v = vertex_at(ray, vertex_hit(x));
-            if (v.material == NONE) return vec3(0.0);
+            if (v.material == NONE || is_hidden(i == 1u, v.at.surface)) return vec3(0.0);
             if (is_lamp(v)) r.meets_lamp = true;
             Sampler random = vertex_random(x, 0u);
             Bsdf b = vertex_material(v, ray, random);
@@ -115,7 +116,7 @@ vec3 path_value(inout Route r, inout uint rays) {
         // Segments that were kept have what they let through in them.
         if (i > r.kept_before && i <= r.kept_after) {
             float through = 1.0;
-            if (HAS_MASKS || i == r.joined + 1u) through = trace_transmittance(distant ? Ray(origin, direction, INFINITY) : ray_between(origin, target), rays);
+            if (HAS_MASKS || i == r.joined + 1u) through = trace_transmittance(distant ? Ray(origin, direction, INFINITY) : ray_between(origin, target), i == 1u, rays);
             x.nearness = through / distance2;
             if (through == 0.0) return vec3(0.0);
         }

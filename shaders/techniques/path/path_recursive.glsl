@@ -70,7 +70,8 @@ bool radiance(inout Path path, inout Estimate e) {
     if (!path_arrive(path, v, e.rays)) {
         if (HAS_BACKGROUND) {
             vec3 handed_down = RETURNS == RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
-            call.emission = handed_down * background_radiance(path.ray.direction) * background_weight(path);
+            bool hidden = HIDES_EMITTERS && path.depth == 0u;
+            call.emission = hidden ? vec3(0.0) : handed_down * background_radiance(path.ray.direction) * background_weight(path);
             if (RETURNS == RETURNS_RADIANCE) push(call, e); else contribute(e, path.depth + 1u, call.emission);
         }
         return false;

@@ -17,7 +17,7 @@ vec3 gather_light(Interaction at, vec3 normal, vec4 u, inout uint rays) {
     float cosine = dot(normal, light.wi);
     if (cosine <= 0.0 || light.weight == vec3(0.0)) return vec3(0.0);
     float weight = light.delta ? 1.0 : power_heuristic(light.pdf_w, INV_PI * cosine);
-    return light.weight * (cosine * weight * trace_transmittance(shadow_ray(at, light), rays));
+    return light.weight * (cosine * weight * trace_transmittance(shadow_ray(at, light), false, rays));
 }
 
 // `normal` is that of the side that receives. The ray's direction has the density cos / pi, so that what comes along it counts pi times
@@ -34,7 +34,7 @@ Gathered gather(PatchTable t, Interaction at, vec3 normal, vec2 u, vec4 light_u,
     ReferencePoint from = ReferencePoint(ray.origin, normal, false);
     Vertex v;
     Ray moved = ray; // behind masks that let it pass
-    if (!vertex_arrive(moved, v, random, rays)) {
+    if (!vertex_arrive(moved, false, v, random, rays)) {
         if (HAS_BACKGROUND) g.direct += PI * background_radiance(w) * power_heuristic(pdf_w, background_pdf(w));
         return g;
     }

@@ -51,7 +51,7 @@ uint patch_met(PatchTable t, Ray ray, inout Sampler random, out uint met, out fl
     Vertex v;
     met = 0u;
     share = 1.0;
-    if (!vertex_arrive(ray, v, random, rays)) return NONE;
+    if (!vertex_arrive(ray, false, v, random, rays)) return NONE;
     share = 1.0 / vertex_opacity(v);
     vec2 c;
     uint index = patch_at(t, v.hit, v.at.position, v.front, c);

@@ -47,7 +47,7 @@ vec3 virtual_light(Path path, Vertex v, Bsdf b, LightVertex y, Sampler random, i
     contribution *= clamped_share(vertex_reference(v, b).normal, w.at.normal, d);
     if (contribution == vec3(0.0)) return contribution;
     Ray ray = vertex_ray_between(v, towards, w);
-    return contribution * ray_transmittance(ray, vertex_absorption(v, b, path.absorption, local), rays);
+    return contribution * ray_transmittance(ray, false, vertex_absorption(v, b, path.absorption, local), rays);
 }
 
 // Adds the light of the virtual point lights of some subpaths, which stand for all: `share` is what the vertex accounts for.

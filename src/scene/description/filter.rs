@@ -4,7 +4,7 @@
 //! its mean is the filtered image (Ernst, Stamminger and Greiner 2006). Pixels stay independent of each other, which is
 //! what makes the film's sums reproducible and its variance meaningful.
 
-use crate::layout::{FILTER_BOX, FILTER_CELLS, FILTER_GAUSSIAN, FILTER_MITCHELL, FILTER_TENT};
+use crate::layout::{FILTER_BOX, FILTER_CELLS, FILTER_GAUSSIAN, FILTER_LANCZOS, FILTER_MITCHELL, FILTER_TENT};
 
 /// A separable reconstruction filter; lengths in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,11 @@ pub enum Filter {
         /// Its parameter C.
         c: f64,
     },
+    /// sinc(x) sinc(x / lobes) with sinc(x) = sin(pi x) / (pi x), ending at `lobes` pixels (Lanczos; Turkowski 1990).
+    Lanczos {
+        /// Half its width in pixels.
+        lobes: u32,
+    },
 }
 
 impl Filter {
@@ -42,6 +47,7 @@ impl Filter {
             Self::Box => 0.5,
             Self::Tent { radius } | Self::Gaussian { radius, .. } => radius,
             Self::Mitchell { .. } => 2.0,
+            Self::Lanczos { lobes } => f64::from(lobes),
         }
     }
 
@@ -70,6 +76,11 @@ impl Filter {
                         / 6.0
                 }
             }
+            Self::Lanczos { lobes } => {
+                let sinc = |x: f64| if x == 0.0 { 1.0 } else { x.sin() / x };
+                let x = std::f64::consts::PI * x;
+                sinc(x) * sinc(x / f64::from(lobes))
+            }
         }
     }
 
@@ -80,6 +91,7 @@ impl Filter {
             Self::Tent { radius } => (FILTER_TENT, [radius, 0.0]),
             Self::Gaussian { stddev, radius } => (FILTER_GAUSSIAN, [stddev, radius]),
             Self::Mitchell { b, c } => (FILTER_MITCHELL, [b, c]),
+            Self::Lanczos { lobes } => (FILTER_LANCZOS, [f64::from(lobes), 0.0]),
         };
         (kind, parameters.map(|parameter| parameter as f32))
     }
@@ -130,9 +142,14 @@ mod tests {
     #[test]
     fn cells_and_weights_reproduce_the_moments_of_the_filter() {
         let third = 1.0 / 3.0;
-        for filter in
-            [Filter::Box, Filter::Tent { radius: 1.0 }, Filter::GAUSSIAN, Filter::Mitchell { b: third, c: third }]
-        {
+        for filter in [
+            Filter::Box,
+            Filter::Tent { radius: 1.0 },
+            Filter::GAUSSIAN,
+            Filter::Mitchell { b: third, c: third },
+            Filter::Mitchell { b: 0.0, c: 0.5 },
+            Filter::Lanczos { lobes: 3 },
+        ] {
             let (cells, integral) = (filter.cells(), filter.integral());
             // What the shader does, with the random number within a cell at the nodes of a quadrature.
             let moment = |power: i32| -> f64 {

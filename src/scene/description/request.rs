@@ -19,6 +19,10 @@ pub struct FilmSettings {
 pub struct TechniqueRequest {
     /// A technique of the table, with its parameters as `name=value`.
     pub integrator: Option<(String, Vec<(String, String)>)>,
+    /// The file asks for an integrator that there is not: what is wrong with it, where the command line names no technique.
+    pub refused: Option<String>,
+    /// The camera looks through emitters and does not see the background; they light the scene all the same.
+    pub hide_emitters: bool,
     /// Samples per pixel.
     pub spp: Option<u32>,
     /// Longest path in segments; `Some(None)` is no limit.

@@ -2,6 +2,7 @@
 
 pub mod gltf;
 mod limits;
+mod missing;
 pub mod mitsuba;
 pub mod obj;
 mod options;
@@ -16,6 +17,7 @@ use super::{Needs, Scene};
 use crate::error::{Error, Result, one_of};
 use crate::files::{FILE_BYTES, STANDARD_INPUT, take_standard_input};
 
+pub use missing::{Missing, missing, scene_files};
 pub use options::{LoadOptions, SceneFormat};
 
 /// The format of a scene file.

@@ -4,7 +4,8 @@ use std::rc::Rc;
 
 use super::loader::{Loader, Sides};
 use super::metals;
-use super::object::{Colour, Object};
+use super::object::Object;
+use super::value::Colour;
 use crate::error::{Result, all_of, one_of};
 use crate::layout::{MaterialTextures, NONE, Principled};
 use crate::scene::material::MaterialDescription;
@@ -242,9 +243,11 @@ impl Loader {
 
     fn normal_map(&mut self, object: &Rc<Object>) -> Result<Sides> {
         let inner = self.only_bsdf(object)?;
-        let texture =
-            object.texture("normalmap").ok_or_else(|| object.error("a normalmap needs the texture 'normalmap'"))?;
-        let texture = self.make_texture(&texture)?;
+        let texture = match (object.texture("normalmap"), object.optional_colour("normalmap", Colour::Unbounded)?) {
+            (Some(texture), _) => self.make_texture(&texture)?,
+            (None, Some(constant)) => self.constant_texture(constant),
+            (None, None) => return Err(object.error("a normalmap needs the texture 'normalmap'")),
+        };
         for name in ["flip_invalid_normals", "use_shadowing_function"] {
             if object.boolean(name, true)? {
                 self.builder

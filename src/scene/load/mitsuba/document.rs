@@ -1,4 +1,4 @@
-//! The text of a scene file: XML, with `<include>`, `<default>` and `$name` resolved.
+//! The text of a scene file: XML, with `<include>`, `<default>`, `<path>` and `$name` resolved.
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,14 +15,57 @@ pub(super) struct Element {
     pub tag: String,
     pub attributes: BTreeMap<String, String>,
     pub children: Vec<Element>,
-    pub file: Rc<Path>,
+    pub file: Rc<SourceFile>,
     pub line: u32,
+}
+
+/// A file of the scene, and what it says of how it is to be read.
+#[derive(Debug)]
+pub(super) struct SourceFile {
+    pub path: PathBuf,
+    /// Its version is below 2: names are spelled `likeThis`, and colours may be hexadecimal.
+    pub is_legacy: bool,
+    /// The folders of all `<path>` elements that were read so far.
+    folders: Rc<RefCell<Vec<PathBuf>>>,
+    /// The folder of the scene that includes this file.
+    scene_folder: Rc<Path>,
+    /// All files that the scene has named so far.
+    named: Named,
+}
+
+/// The files that a scene names.
+pub(super) type Named = Rc<RefCell<Vec<PathBuf>>>;
+
+impl SourceFile {
+    /// The file that a scene means by a name. It is looked for in the folders of `<path>`, the last one first, beside the file that names
+    /// it, beside the scene, and in the working directory. Where there is none it is the one beside the file that names it.
+    pub fn resolve(&self, name: &str) -> PathBuf {
+        let beside = folder_of(&self.path).join(name);
+        let folders = self.folders.borrow();
+        let places = folders.iter().rev().map(PathBuf::as_path).map(|folder| folder.join(name));
+        let mut places = places.chain([beside.clone(), self.scene_folder.join(name), PathBuf::from(name)]);
+        let found = places.find(|place| place.exists()).unwrap_or(beside);
+        self.named.borrow_mut().push(found.clone());
+        found
+    }
+}
+
+impl SourceFile {
+    /// All files that the scene has named so far.
+    pub fn named(&self) -> Vec<PathBuf> {
+        self.named.borrow().clone()
+    }
+}
+
+/// The folder that a file lies in; empty for the working directory.
+fn folder_of(file: &Path) -> &Path {
+    file.parent().unwrap_or(Path::new(""))
 }
 
 impl Element {
     /// An error about this element.
     pub fn error(&self, message: impl Into<String>) -> Error {
-        Error::scene_line(&self.file, self.line, message)
+        Error::scene_line(&self.file.path, self.line, message)
     }
 
     /// An attribute that must be there.
@@ -54,7 +97,9 @@ pub(super) fn read(path: &Path, defines: &Defines) -> Result<Element> {
         used: RefCell::default(),
         bytes: Cell::new(0),
     };
-    let mut reader = Reader { parameters, bytes: 0, elements: 0 };
+    let scene_folder = Rc::from(folder_of(path));
+    let mut reader =
+        Reader { parameters, folders: Rc::default(), scene_folder, named: Rc::default(), bytes: 0, elements: 0 };
     let root = reader.read_file(path, 0)?;
     let parameters = reader.parameters;
     let known: BTreeSet<String> = parameters.declared.union(&parameters.used.borrow()).cloned().collect();
@@ -71,6 +116,9 @@ pub(super) fn read(path: &Path, defines: &Defines) -> Result<Element> {
 /// What the files of a scene share while they are read.
 struct Reader {
     parameters: Parameters,
+    folders: Rc<RefCell<Vec<PathBuf>>>,
+    scene_folder: Rc<Path>,
+    named: Named,
     /// Bytes so far. Files that include two others each become very many.
     bytes: u64,
     /// Elements so far.
@@ -79,7 +127,7 @@ struct Reader {
 
 /// One file while it is read.
 struct File<'a> {
-    path: Rc<Path>,
+    source: Rc<SourceFile>,
     text: &'a str,
     /// A byte of the text, and the line that it is in.
     at: (usize, u32),
@@ -119,7 +167,11 @@ impl Reader {
                 Error::scene_line(path, error.pos().row, message)
             }
         })?;
-        let mut file = File { path: Rc::from(path), text: &text, at: (0, 1), includes };
+        let version = document.root_element().attribute("version");
+        let is_legacy = is_legacy(version).map_err(|message| Error::scene(path, message))?;
+        let (folders, scene_folder, named) = (self.folders.clone(), self.scene_folder.clone(), self.named.clone());
+        let source = SourceFile { path: path.to_owned(), is_legacy, folders, scene_folder, named };
+        let mut file = File { source: Rc::new(source), text: &text, at: (0, 1), includes };
         let mut elements = self.read_node(document.root_element(), &mut file, 0)?;
         match (elements.pop(), elements.is_empty()) {
             (Some(root), true) => Ok(root),
@@ -133,7 +185,7 @@ impl Reader {
             tag: node.tag_name().name().to_owned(),
             attributes: BTreeMap::new(),
             children: Vec::new(),
-            file: file.path.clone(),
+            file: file.source.clone(),
             line: file.line(node.range().start),
         };
         if depth > DEPTH {
@@ -141,7 +193,7 @@ impl Reader {
         }
         self.elements += 1;
         if self.elements > XML_ELEMENTS {
-            return Err(too_many(&file.path));
+            return Err(too_many(&file.source.path));
         }
         for attribute in node.attributes() {
             let value = self.parameters.replace(attribute.value()).map_err(|message| element.error(message))?;
@@ -155,6 +207,10 @@ impl Reader {
                 return Ok(Vec::new());
             }
             "include" => return self.include(&element, file),
+            "path" => {
+                self.add_folder(&element)?;
+                return Ok(Vec::new());
+            }
             _ => {}
         }
         for child in node.children().filter(roxmltree::Node::is_element) {
@@ -163,11 +219,22 @@ impl Reader {
         Ok(vec![element])
     }
 
+    /// Adds a folder in which files are looked for.
+    fn add_folder(&mut self, element: &Element) -> Result<()> {
+        let name = element.attribute("value")?;
+        let folder = element.file.resolve(name);
+        if !folder.is_dir() {
+            return Err(element.error(format!("<path>: there is no folder {}", folder.display())));
+        }
+        self.folders.borrow_mut().push(folder);
+        Ok(())
+    }
+
     fn include(&mut self, element: &Element, file: &File<'_>) -> Result<Vec<Element>> {
         if file.includes >= INCLUDES {
             return Err(element.error(format!("files include each other more than {INCLUDES} deep: is this a cycle?")));
         }
-        let included = resolve(&file.path, element.attribute("filename")?);
+        let included = element.file.resolve(element.attribute("filename")?);
         let root = self.read_file(&included, file.includes + 1).map_err(|error| match error {
             Error::File { cause, .. } => {
                 element.error(format!("cannot read the included file {}: {cause}", included.display()))
@@ -182,9 +249,12 @@ fn too_many(path: &Path) -> Error {
     Error::scene(path, format!("with all files that were included the scene has more than {XML_ELEMENTS} elements"))
 }
 
-/// A path in a scene file is relative to that file.
-pub(super) fn resolve(file: &Path, name: &str) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(name)
+/// Whether a scene's version is below 2, which was written otherwise: versions 0.5 and 0.6 are those of the first Mitsuba. A file without
+/// a version is taken for a new one.
+fn is_legacy(version: Option<&str>) -> Result<bool, String> {
+    let Some(text) = version else { return Ok(false) };
+    let major = text.trim().split('.').next().and_then(|major| major.parse::<u32>().ok());
+    major.map(|major| major < 2).ok_or_else(|| format!("the version '{text}' is not a version such as 3.0.0"))
 }
 
 impl Parameters {

@@ -3,7 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::loader::Loader;
-use super::object::{Colour, Object};
+use super::object::Object;
+use super::value::Colour;
 use crate::error::Result;
 use crate::image::Encoding;
 use crate::scene::Camera;
@@ -14,6 +15,7 @@ const SUPPORTED: [&str; 6] = ["point", "spot", "directional", "projector", "cons
 
 impl Loader {
     pub(super) fn add_emitter(&mut self, object: &Object) -> Result<()> {
+        sampling_weight(object)?;
         match object.plugin.as_str() {
             "point" => {
                 let position = match object.optional_vector("position")? {
@@ -62,10 +64,10 @@ impl Loader {
             }
             "projector" => {
                 let to_world = object.transform("to_world")?;
-                let texture = object
-                    .texture("irradiance")
-                    .ok_or_else(|| object.error("a projector needs the texture 'irradiance'"))?;
-                let texture = self.make_texture(&texture)?;
+                let texture = match object.texture("irradiance") {
+                    Some(texture) => self.make_texture(&texture)?,
+                    None => self.constant_texture(object.colour("irradiance", Colour::Emission, 1.0)?),
+                };
                 let (fov, axis) = super::sensor::field_of_view(object)?;
                 let [width, height] = self.builder.texture_size(texture);
                 let half_width =
@@ -87,6 +89,7 @@ impl Loader {
                 let rows = self.builder.image_size(image)[1] as f32;
                 texture.map[1] = [0.0, (rows - 1.0) / rows, 0.5 / rows];
                 let scale = object.float("scale", 1.0)?;
+                object.boolean("mis_compensation", false)?; // how it is sampled changes no mean
                 let axes = object.transform("to_world")?.matrix3;
                 let texture = self.builder.texture(texture);
                 self.builder.background = Some([scale; 3]);
@@ -96,10 +99,26 @@ impl Loader {
                 self.only_environment(object)?;
                 self.builder.background = Some(object.colour("radiance", Colour::Emission, 1.0)?);
             }
+            // A shape may refer to it.
+            "area" if object.id.is_some() => {
+                self.radiance(object)?;
+                return Ok(());
+            }
             "area" => return Err(object.error("an area light must be inside the shape that emits")),
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         }
         object.finish()
+    }
+
+    /// What an area light emits: a radiance, and the texture that multiplies it.
+    pub(super) fn radiance(&mut self, object: &Object) -> Result<([f64; 3], Option<u32>)> {
+        sampling_weight(object)?;
+        let emission = match object.texture("radiance") {
+            Some(texture) => ([1.0; 3], Some(self.make_texture(&texture)?)),
+            None => (object.colour("radiance", Colour::Emission, 1.0)?, None),
+        };
+        object.finish()?;
+        Ok(emission)
     }
 
     fn only_environment(&self, object: &Object) -> Result<()> {
@@ -108,6 +127,11 @@ impl Loader {
         }
         Ok(())
     }
+}
+
+/// How often a light is chosen changes no mean.
+fn sampling_weight(object: &Object) -> Result<()> {
+    object.optional_float("sampling_weight").map(|_| ())
 }
 
 /// The axes of a light's own space in the world, unit.

@@ -4,7 +4,7 @@ use super::loader::Loader;
 use super::object::Object;
 use crate::error::Result;
 
-const SUPPORTED: [&str; 5] = ["path", "direct", "volpath", "moment", "aov"];
+const SUPPORTED: [&str; 7] = ["path", "direct", "volpath", "volpathmis", "ptracer", "moment", "aov"];
 
 impl Loader {
     pub(super) fn set_integrator(&mut self, object: &Object) -> Result<()> {
@@ -16,7 +16,7 @@ impl Loader {
                     self.set_integrator(&inner)?;
                 }
             }
-            "path" | "volpath" => {
+            "path" | "volpath" | "volpathmis" | "ptracer" => {
                 let depth = object.optional_integer("max_depth")?.unwrap_or(-1);
                 self.builder.technique.max_depth = Some(match depth {
                     -1 => None,
@@ -33,7 +33,10 @@ impl Loader {
                     self.builder.technique.rr_depth = Some(depth);
                 }
                 self.hide_emitters(object)?;
-                self.builder.technique.integrator = Some((String::from("path"), Vec::new()));
+                object.optional_integer("samples_per_pass")?; // how the work is cut changes no image
+                // Without media the volumetric ones are `path`.
+                let name = if object.plugin == "ptracer" { "light" } else { "path" };
+                self.builder.technique.integrator = Some((String::from(name), Vec::new()));
             }
             "direct" => {
                 for count in ["shading_samples", "emitter_samples", "bsdf_samples"] {
@@ -42,15 +45,17 @@ impl Loader {
                 self.hide_emitters(object)?;
                 self.builder.technique.integrator = Some((String::from("direct"), Vec::new()));
             }
-            _ => return Err(object.unknown_plugin(&SUPPORTED)),
+            // An error only where the command line names no technique.
+            _ => {
+                self.builder.technique.refused = Some(object.unknown_plugin(&SUPPORTED).to_string());
+                return Ok(());
+            }
         }
         object.finish()
     }
 
-    fn hide_emitters(&self, object: &Object) -> Result<()> {
-        if object.boolean("hide_emitters", false)? {
-            return Err(object.property_error("hide_emitters", "only false is supported: lights are always visible"));
-        }
+    fn hide_emitters(&mut self, object: &Object) -> Result<()> {
+        self.builder.technique.hide_emitters = object.boolean("hide_emitters", false)?;
         Ok(())
     }
 }

@@ -1,10 +1,11 @@
 //! What the loader of a scene keeps between its elements.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::object::Object;
 use crate::image::Encoding;
+use crate::scene::load::LoadOptions;
 use crate::scene::{Mask, SceneBuilder, Side};
 
 /// What a BSDF stands for: the materials of the front and of the back, and what the surface lets pass.
@@ -24,4 +25,17 @@ pub(super) struct Loader {
     pub groups: HashMap<*const Object, usize>,
     /// Rough metals and rough glass get back what they lose to multiple scattering.
     pub energy_compensation: bool,
+}
+
+impl Loader {
+    pub fn new(path: &Path, options: &LoadOptions) -> Self {
+        Self {
+            builder: SceneBuilder::new(path),
+            materials: HashMap::new(),
+            groups: HashMap::new(),
+            textures: HashMap::new(),
+            images: HashMap::new(),
+            energy_compensation: options.energy_compensation,
+        }
+    }
 }

@@ -1,22 +1,17 @@
 //! Objects and their typed properties. A property that nobody asked for is an error that lists what was asked for.
 
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use glam::{DAffine3, DVec3};
 
-use super::document::{Element, resolve};
-use super::numbers::{number, numbers, vector};
-use super::spectrum::{EQUAL_ENERGY_WHITE, Illuminant, Spectrum, decode_srgb};
-use super::transform;
+use super::document::SourceFile;
+use super::refused;
+use super::spectrum::EQUAL_ENERGY_WHITE;
+use super::value::{Colour, SpectrumColours, Value};
 use crate::error::{Error, Result, all_of, one_of};
-use crate::scene::load::limits::DEPTH;
-
-/// Elements that are objects: they have a `type` and can be referred to by `id`.
-const OBJECTS: [&str; 10] =
-    ["scene", "shape", "bsdf", "texture", "emitter", "sensor", "film", "sampler", "rfilter", "integrator"];
 
 /// One object of the scene.
 #[derive(Debug)]
@@ -24,242 +19,41 @@ pub(super) struct Object {
     pub tag: String,
     pub plugin: String,
     pub id: Option<String>,
-    file: Rc<Path>,
-    line: u32,
-    properties: BTreeMap<String, Property>,
-    children: Vec<Child>,
+    pub file: Rc<SourceFile>,
+    pub line: u32,
+    pub properties: BTreeMap<String, Property>,
+    pub children: Vec<Child>,
     /// Objects below it on the longest way down, references included.
-    depth: usize,
-    asked: RefCell<Vec<&'static str>>,
-    warnings: Warnings,
+    pub depth: usize,
+    /// Its value, if it is a texture that is the same everywhere.
+    pub constant: Option<Value>,
+    pub asked: RefCell<Vec<&'static str>>,
+    pub warnings: Warnings,
 }
 
 /// What the user should know about the scene; all of its objects share it.
-type Warnings = Rc<RefCell<Vec<String>>>;
+pub(super) type Warnings = Rc<RefCell<Vec<String>>>;
 
+/// A value that an object was given.
 #[derive(Debug)]
-struct Property {
-    value: Value,
-    line: u32,
-    used: Cell<bool>,
+pub(super) struct Property {
+    pub value: Value,
+    pub line: u32,
+    pub used: Cell<bool>,
 }
 
+/// An object that another one holds or refers to.
 #[derive(Debug)]
-struct Child {
-    name: Option<String>,
-    object: Rc<Object>,
-    used: Cell<bool>,
-}
-
-#[derive(Clone, Debug)]
-enum Value {
-    Float(f64),
-    Integer(i64),
-    Boolean(bool),
-    Text(String),
-    Vector(DVec3),
-    Rgb([f64; 3]),
-    Uniform(f64),
-    /// A spectrum's colours; its samples could be many times the text that names their file.
-    Spectrum(SpectrumColours),
-    Transform(DAffine3),
-}
-
-/// A spectrum as linear sRGB.
-#[derive(Clone, Copy, Debug)]
-struct SpectrumColours {
-    /// Of what emits.
-    emission: [f64; 3],
-    /// Of what reflects, and of pure numbers.
-    reflectance: [f64; 3],
-}
-
-impl From<Spectrum> for SpectrumColours {
-    fn from(spectrum: Spectrum) -> Self {
-        Self {
-            emission: spectrum.linear_srgb(Illuminant::EqualEnergy),
-            reflectance: spectrum.linear_srgb(Illuminant::D65),
-        }
-    }
-}
-
-impl Value {
-    fn kind(&self) -> &'static str {
-        match self {
-            Self::Float(_) => "a float",
-            Self::Integer(_) => "an integer",
-            Self::Boolean(_) => "a boolean",
-            Self::Text(_) => "a string",
-            Self::Vector(_) => "a point or vector",
-            Self::Rgb(_) => "an rgb colour",
-            Self::Uniform(_) | Self::Spectrum(_) => "a spectrum",
-            Self::Transform(_) => "a transform",
-        }
-    }
-}
-
-/// What a colour stands for, which says how a spectrum becomes one: a uniform spectrum is grey as a reflectance or as an
-/// unbounded number (an index of refraction), but as an emission it is equal-energy white.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Colour {
-    Reflectance,
-    Unbounded,
-    Emission,
-}
-
-/// Turns the document into objects, with references resolved.
-pub(super) fn parse(root: &Element) -> Result<Rc<Object>> {
-    parse_object(root, &mut HashMap::new(), &Warnings::default())
-}
-
-type Ids = HashMap<String, Rc<Object>>;
-
-fn parse_object(element: &Element, ids: &mut Ids, warnings: &Warnings) -> Result<Rc<Object>> {
-    let allowed: &[&str] = if element.tag == "scene" { &["version"] } else { &["type", "id", "name", "version"] };
-    if let Some(unknown) = element.attributes.keys().find(|name| !allowed.contains(&name.as_str())) {
-        return Err(element.error(format!(
-            "<{}> has no attribute '{unknown}'; valid are {}",
-            element.tag,
-            one_of(allowed)
-        )));
-    }
-    let plugin = if element.tag == "scene" { "" } else { element.attribute("type")? };
-    let mut object = Object {
-        tag: element.tag.clone(),
-        plugin: plugin.to_owned(),
-        id: element.attributes.get("id").cloned(),
-        file: element.file.clone(),
-        line: element.line,
-        properties: BTreeMap::new(),
-        children: Vec::new(),
-        depth: 0,
-        asked: RefCell::default(),
-        warnings: warnings.clone(),
-    };
-    for child in &element.children {
-        if OBJECTS.contains(&child.tag.as_str()) && child.tag != "scene" {
-            let name = child.attributes.get("name").cloned();
-            object.children.push(Child { name, object: parse_object(child, ids, warnings)?, used: Cell::new(false) });
-        } else if child.tag == "ref" {
-            let id = child.attribute("id")?;
-            let found = ids.get(id).ok_or_else(|| {
-                let known = if ids.is_empty() {
-                    String::from("none is defined before it")
-                } else {
-                    format!("defined before it are {}", all_of(sorted(ids)))
-                };
-                child.error(format!("<ref> to the unknown id '{id}'; {known}"))
-            })?;
-            let name = child.attributes.get("name").cloned();
-            object.children.push(Child { name, object: found.clone(), used: Cell::new(false) });
-        } else {
-            let (name, value) = parse_property(child)?;
-            let property = Property { value, line: child.line, used: Cell::new(false) };
-            if object.properties.insert(name.clone(), property).is_some() {
-                return Err(child.error(format!("the property '{name}' is given twice")));
-            }
-        }
-    }
-    // References make chains that are as long as the file.
-    object.depth = object.children.iter().map(|child| child.object.depth + 1).max().unwrap_or(0);
-    if object.depth > DEPTH {
-        return Err(element.error(format!("objects are nested more than {DEPTH} deep, references included")));
-    }
-    let object = Rc::new(object);
-    if let Some(id) = &object.id
-        && ids.insert(id.clone(), object.clone()).is_some()
-    {
-        return Err(element.error(format!("the id '{id}' is given twice")));
-    }
-    Ok(object)
-}
-
-fn sorted(ids: &Ids) -> Vec<&String> {
-    let mut names: Vec<_> = ids.keys().collect();
-    names.sort();
-    names
-}
-
-fn parse_property(element: &Element) -> Result<(String, Value)> {
-    let supported =
-        "float, integer, boolean, string, point, vector, rgb, srgb, spectrum, transform, ref, default and include";
-    let wrong = |what: &str| {
-        element.error(format!(
-            "<{}> '{}': '{}' is not {what}",
-            element.tag,
-            name_of(element),
-            element.attributes.get("value").map_or("", String::as_str)
-        ))
-    };
-    let value = match element.tag.as_str() {
-        "float" => Value::Float(number(element.attribute("value")?).ok_or_else(|| wrong("a number"))?),
-        "integer" => Value::Integer(element.attribute("value")?.trim().parse().map_err(|_| wrong("an integer"))?),
-        "boolean" => match element.attribute("value")?.trim() {
-            "true" => Value::Boolean(true),
-            "false" => Value::Boolean(false),
-            _ => return Err(wrong("true or false")),
-        },
-        "string" => Value::Text(element.attribute("value")?.to_owned()),
-        "point" | "vector" => Value::Vector(vector(element, 0.0)?),
-        "rgb" => {
-            let text = element.attribute("value")?;
-            if text.trim_start().starts_with('#') {
-                return Err(wrong("one or three linear numbers; give a hexadecimal colour as <srgb>"));
-            }
-            match numbers(text).as_deref() {
-                Some([grey]) => Value::Rgb([*grey; 3]),
-                Some([r, g, b]) => Value::Rgb([*r, *g, *b]),
-                _ => return Err(wrong("one or three numbers")),
-            }
-        }
-        "srgb" => {
-            let decoded = decode_srgb(element.attribute("value")?);
-            Value::Rgb(decoded.ok_or_else(|| wrong("a colour such as #a0b1c2, or three numbers in 0 to 1"))?)
-        }
-        "spectrum" => parse_spectrum(element)?,
-        "transform" => Value::Transform(transform::parse(element)?),
-        tag => {
-            return Err(element.error(format!(
-                "<{tag}> is not supported here; supported are {} and {supported}",
-                OBJECTS[1..].join(", ")
-            )));
-        }
-    };
-    Ok((element.attribute("name")?.to_owned(), value))
-}
-
-/// A uniform spectrum or `wavelength:value` pairs as `value`, or a file of them as `filename`.
-fn parse_spectrum(element: &Element) -> Result<Value> {
-    let wrong = |message: String| element.error(format!("<spectrum> '{}': {message}", name_of(element)));
-    match (element.attributes.get("value"), element.attributes.get("filename")) {
-        (Some(text), None) => match number(text) {
-            Some(level) => Ok(Value::Uniform(level)),
-            None if text.contains(':') => {
-                Spectrum::parse(text).map(|spectrum| Value::Spectrum(spectrum.into())).map_err(wrong)
-            }
-            None => {
-                Err(wrong(format!("'{text}' is neither a number nor wavelength:value pairs such as 400:0.1, 700:0.5")))
-            }
-        },
-        (None, Some(name)) => {
-            let file = resolve(&element.file, name);
-            Spectrum::read(&file).map(|spectrum| Value::Spectrum(spectrum.into())).map_err(|error| match error {
-                Error::File { cause, .. } => wrong(format!("cannot read {}: {cause}", file.display())),
-                other => other,
-            })
-        }
-        _ => Err(wrong(String::from("it needs the attribute 'value' or 'filename', one of the two"))),
-    }
-}
-
-fn name_of(element: &Element) -> &str {
-    element.attributes.get("name").map_or("?", String::as_str)
+pub(super) struct Child {
+    pub name: Option<String>,
+    pub object: Rc<Object>,
+    pub used: Cell<bool>,
 }
 
 impl Object {
     /// An error about this object.
     pub fn error(&self, message: impl Into<String>) -> Error {
-        Error::scene_line(&self.file, self.line, message)
+        Error::scene_line(&self.file.path, self.line, message)
     }
 
     /// "bsdf 'diffuse'", for messages.
@@ -273,6 +67,9 @@ impl Object {
 
     /// An error that the plugin is unknown.
     pub fn unknown_plugin(&self, valid: &[&str]) -> Error {
+        if let Some(reason) = refused::reason(&self.tag, &self.plugin) {
+            return self.error(format!("{} cannot be read: {reason}", self.title()));
+        }
         self.error(format!("{} '{}' is not supported; supported are {}", self.tag, self.plugin, one_of(valid)))
     }
 
@@ -285,7 +82,7 @@ impl Object {
 
     fn wrong_kind(&self, name: &str, property: &Property, expected: &str) -> Error {
         Error::scene_line(
-            &self.file,
+            &self.file.path,
             property.line,
             format!("'{name}' of {} is {}, and must be {expected}", self.title(), property.value.kind()),
         )
@@ -294,12 +91,18 @@ impl Object {
     /// An error about one of its properties.
     pub fn property_error(&self, name: &str, message: impl Into<String>) -> Error {
         let line = self.properties.get(name).map_or(self.line, |property| property.line);
-        Error::scene_line(&self.file, line, format!("'{name}' of {}: {}", self.title(), message.into()))
+        Error::scene_line(&self.file.path, line, format!("'{name}' of {}: {}", self.title(), message.into()))
     }
 
     /// Whether the property is given.
     pub fn has(&self, name: &str) -> bool {
         self.properties.contains_key(name)
+    }
+
+    /// Accepts whatever is given.
+    pub fn ignore(&self, name: &'static str) {
+        self.find(name);
+        self.children.iter().filter(|child| child.name.as_deref() == Some(name)).for_each(|child| child.used.set(true));
     }
 
     /// A number, if it is given.
@@ -311,6 +114,37 @@ impl Object {
                 _ => Err(self.wrong_kind(name, property, "a float")),
             })
             .transpose()
+    }
+
+    /// A number that stands for a texture, if it is given: a float, a grey spectrum, or the luminance of a colour.
+    pub fn optional_scalar(&self, name: &'static str) -> Result<Option<f64>> {
+        match self.properties.get(name).map(|property| &property.value) {
+            Some(Value::Uniform(_) | Value::Spectrum(_) | Value::Rgb(_)) => {
+                let colour = self.optional_colour(name, Colour::Unbounded)?;
+                Ok(colour.map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b))
+            }
+            _ => self.optional_float(name),
+        }
+    }
+
+    /// A number or three, as they are.
+    pub fn raw(&self, name: &'static str) -> Result<Value> {
+        let property = self.find(name).ok_or_else(|| self.error(format!("{} needs '{name}'", self.title())))?;
+        match &property.value {
+            Value::Float(_) | Value::Rgb(_) => Ok(property.value.clone()),
+            Value::Integer(value) => Ok(Value::Float(*value as f64)),
+            Value::Vector(value) => Ok(Value::Rgb(value.to_array())),
+            _ => Err(self.wrong_kind(name, property, "a float or a vector")),
+        }
+    }
+
+    /// A spectrum, as it is.
+    pub fn spectrum(&self, name: &'static str) -> Result<Value> {
+        let property = self.find(name).ok_or_else(|| self.error(format!("{} needs '{name}'", self.title())))?;
+        match &property.value {
+            Value::Uniform(_) | Value::Spectrum(_) => Ok(property.value.clone()),
+            _ => Err(self.wrong_kind(name, property, "a spectrum")),
+        }
     }
 
     /// A number.
@@ -355,7 +189,7 @@ impl Object {
     /// A file that must be named, relative to the scene file.
     pub fn file(&self, name: &'static str) -> Result<PathBuf> {
         let text = self.optional_text(name)?.ok_or_else(|| self.error(format!("{} needs '{name}'", self.title())))?;
-        Ok(resolve(&self.file, text))
+        Ok(self.file.resolve(text))
     }
 
     /// A point or vector, if it is given.
@@ -379,23 +213,35 @@ impl Object {
     /// A colour in linear sRGB, if it is given.
     pub fn optional_colour(&self, name: &'static str, role: Colour) -> Result<Option<[f64; 3]>> {
         let Some(property) = self.find(name) else { return Ok(None) };
-        let colour = match &property.value {
-            Value::Rgb(rgb) => *rgb,
-            Value::Float(grey) => [*grey; 3],
-            Value::Integer(grey) => [*grey as f64; 3],
-            Value::Uniform(level) if role == Colour::Emission => EQUAL_ENERGY_WHITE.map(|channel| channel * level),
-            Value::Uniform(level) => [*level; 3],
-            Value::Spectrum(spectrum) => self.clamped(name, property, spectrum, role),
-            _ => return Err(self.wrong_kind(name, property, "a colour (rgb, spectrum or float)")),
-        };
+        let colour = self.colour_of(name, &property.value, property.line, role);
+        let colour = colour.ok_or_else(|| self.wrong_kind(name, property, "a colour (rgb, spectrum or float)"))?;
         if colour.iter().any(|channel| *channel < 0.0) {
             return Err(self.property_error(name, format!("{colour:?} is negative")));
         }
         Ok(Some(colour))
     }
 
+    /// The colour of this texture, which is the same everywhere.
+    pub fn constant_colour(&self, role: Colour) -> Result<[f64; 3]> {
+        let colour = self.constant.as_ref().and_then(|value| self.colour_of("value", value, self.line, role));
+        colour.ok_or_else(|| self.error(format!("{} has no colour", self.title())))
+    }
+
+    /// A value as a colour, if it can be one.
+    fn colour_of(&self, name: &str, value: &Value, line: u32, role: Colour) -> Option<[f64; 3]> {
+        Some(match value {
+            Value::Rgb(rgb) => *rgb,
+            Value::Float(grey) => [*grey; 3],
+            Value::Integer(grey) => [*grey as f64; 3],
+            Value::Uniform(level) if role == Colour::Emission => EQUAL_ENERGY_WHITE.map(|channel| channel * level),
+            Value::Uniform(level) => [*level; 3],
+            Value::Spectrum(spectrum) => self.clamped(name, line, spectrum, role),
+            _ => return None,
+        })
+    }
+
     /// A spectrum's colour; what linear sRGB cannot hold is clamped, as Mitsuba does, with a warning.
-    fn clamped(&self, name: &str, property: &Property, spectrum: &SpectrumColours, role: Colour) -> [f64; 3] {
+    fn clamped(&self, name: &str, line: u32, spectrum: &SpectrumColours, role: Colour) -> [f64; 3] {
         let most = if role == Colour::Reflectance { 1.0 } else { f64::INFINITY };
         let colour = if role == Colour::Emission { spectrum.emission } else { spectrum.reflectance };
         let clamped = colour.map(|channel| channel.clamp(0.0, most));
@@ -403,8 +249,8 @@ impl Object {
             let ([r, g, b], range) = (colour, if most == 1.0 { "0 to 1" } else { "0 or more" });
             self.warnings.borrow_mut().push(format!(
                 "{}:{}: '{name}' of {}: the spectrum's colour in linear sRGB is ({r:.4}, {g:.4}, {b:.4}); it was clamped to {range}",
-                self.file.display(),
-                property.line,
+                self.file.path.display(),
+                line,
                 self.title()
             ));
         }
@@ -464,6 +310,11 @@ impl Object {
         Some(child.object.clone())
     }
 
+    /// The only texture within, whatever its name.
+    pub fn only_texture(&self) -> Result<Rc<Object>> {
+        self.object_of("texture")?.ok_or_else(|| self.error(format!("{} needs a texture within", self.title())))
+    }
+
     /// At most one object within of one kind.
     pub fn object_of(&self, tag: &str) -> Result<Option<Rc<Object>>> {
         let mut found = self.objects_of(tag);
@@ -475,26 +326,28 @@ impl Object {
 
     /// Fails if something was given that nobody asked for.
     pub fn finish(&self) -> Result<()> {
-        if let Some((name, property)) = self.properties.iter().find(|(_, property)| !property.used.get()) {
-            let mut asked = self.asked.borrow().clone();
-            asked.sort_unstable();
-            asked.dedup();
-            let valid =
-                if asked.is_empty() { String::from("it has none") } else { format!("valid are {}", all_of(asked)) };
-            return Err(Error::scene_line(
-                &self.file,
-                property.line,
-                format!("{} has no parameter '{name}'; {valid}", self.title()),
-            ));
-        }
-        match self.children.iter().find(|child| !child.used.get()) {
-            Some(Child { name: Some(name), object, .. }) if object.tag == "texture" => {
-                Err(self.error(format!("'{name}' of {} is a texture, and must be a value", self.title())))
+        self.unasked().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// An error for all that was given and that nobody asked for.
+    pub fn unasked(&self) -> Vec<Error> {
+        let mut asked = self.asked.borrow().clone();
+        asked.sort_unstable();
+        asked.dedup();
+        let valid = if asked.is_empty() { String::from("it has none") } else { format!("valid are {}", all_of(asked)) };
+        let properties = self.properties.iter().filter(|(_, property)| !property.used.get()).map(|(name, property)| {
+            let message = format!("{} has no parameter '{name}'; {valid}", self.title());
+            Error::scene_line(&self.file.path, property.line, message)
+        });
+        let children = self.children.iter().filter(|child| !child.used.get()).map(|child| match child {
+            Child { name: Some(name), object, .. } if object.tag == "texture" => {
+                self.error(format!("'{name}' of {} is a texture, and must be a value", self.title()))
             }
-            Some(child) => {
-                Err(child.object.error(format!("<{}> is not supported within {}", child.object.tag, self.title())))
+            Child { object, .. } if refused::reason(&object.tag, &object.plugin).is_some() => {
+                object.unknown_plugin(&[])
             }
-            None => Ok(()),
-        }
+            child => child.object.error(format!("<{}> is not supported within {}", child.object.tag, self.title())),
+        });
+        properties.chain(children).collect()
     }
 }

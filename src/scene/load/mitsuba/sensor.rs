@@ -41,6 +41,15 @@ impl Loader {
         if near >= far {
             return Err(object.property_error("near_clip", format!("{near} is not below far_clip ({far})")));
         }
+        for ignored in ["focus_distance", "shutter_open", "shutter_close"] {
+            object.optional_float(ignored)?; // of lenses, and of motion, which other sensors and scenes do not have
+        }
+        if object.has("srf") {
+            object.ignore("srf");
+            self.builder
+                .warnings
+                .push(format!("{}: its sensor response 'srf' is left out: images are linear sRGB", object.title()));
+        }
         let principal_point =
             [object.float("principal_point_offset_x", 0.0)?, object.float("principal_point_offset_y", 0.0)?];
         let name = object.id.clone().unwrap_or_else(|| format!("camera{}", self.builder.cameras.len()));
@@ -54,7 +63,10 @@ impl Loader {
                 return Err(sampler.unknown_plugin(&SAMPLERS));
             }
             let count = sampler.optional_integer("sample_count")?.unwrap_or(4);
-            sampler.optional_integer("seed")?;
+            for ignored in ["seed", "strength"] {
+                sampler.optional_integer(ignored)?;
+            }
+            sampler.boolean("jitter", true)?;
             let spp = u32::try_from(count).ok().filter(|count| *count > 0);
             camera.spp =
                 Some(spp.ok_or_else(|| sampler.property_error("sample_count", format!("{count} is not 1 or more")))?);
@@ -110,6 +122,9 @@ fn read_film(film: &Object) -> Result<(FilmSettings, [f64; 4])> {
     for ignored in ["file_format", "pixel_format", "component_format"] {
         film.optional_text(ignored)?; // what is written is the command line's business
     }
+    for ignored in ["sample_border", "compensate", "banner"] {
+        film.boolean(ignored, false)?; // pixels are sampled one by one, with sums that lose nothing
+    }
     let filter = match film.object_of("rfilter")? {
         Some(filter) => read_filter(&filter)?,
         None => Filter::GAUSSIAN,
@@ -155,7 +170,13 @@ fn read_filter(object: &Object) -> Result<Filter> {
             Filter::Gaussian { stddev, radius: 4.0 * stddev }
         }
         "mitchell" => Filter::Mitchell { b: object.float("B", third)?, c: object.float("C", third)? },
-        _ => return Err(object.unknown_plugin(&["box", "tent", "gaussian", "mitchell"])),
+        "catmullrom" => Filter::Mitchell { b: 0.0, c: 0.5 },
+        "lanczos" => {
+            let lobes = object.optional_integer("lobes")?.unwrap_or(3);
+            let lobes = u32::try_from(lobes).ok().filter(|lobes| (1..=16).contains(lobes));
+            Filter::Lanczos { lobes: lobes.ok_or_else(|| object.property_error("lobes", "it must be 1 to 16"))? }
+        }
+        _ => return Err(object.unknown_plugin(&["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"])),
     };
     object.finish()?;
     Ok(filter)

@@ -6,25 +6,34 @@ use std::rc::Rc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::loader::{Loader, Sides};
-use super::object::{Colour, Object};
+use super::object::Object;
 use crate::error::{Error, Result};
 use crate::scene::load::{obj, ply, serialized};
 use crate::scene::{Mesh, SurfaceDescription, material};
 
-const SUPPORTED: [&str; 10] =
-    ["obj", "ply", "serialized", "rectangle", "disk", "cube", "cylinder", "sphere", "shapegroup", "instance"];
+const SUPPORTED: [&str; 11] =
+    ["obj", "ply", "serialized", "rectangle", "disk", "cube", "cylinder", "sphere", "shapegroup", "instance", "merge"];
 
 impl Loader {
     /// Adds a shape to a group.
     pub(super) fn add_shape(&mut self, object: &Rc<Object>, group: usize) -> Result<()> {
         match object.plugin.as_str() {
             "shapegroup" => return self.shape_group(object).map(|_| ()),
+            // Its shapes stay what they are: how they are stored changes no image.
+            "merge" => {
+                for shape in object.objects_of("shape") {
+                    self.add_shape(&shape, group)?;
+                    self.builder.within_limits()?;
+                }
+                return object.finish();
+            }
             "instance" => return self.add_instance(object),
             _ => {}
         }
         let to_world = object.transform("to_world")?;
         let flip = object.boolean("flip_normals", false)?;
         let name = object.id.clone().unwrap_or_else(|| object.plugin.clone());
+        object.optional_float("silhouette_sampling_weight")?; // of derivatives, which are not computed
         let surface = self.surface(object)?;
         match object.plugin.as_str() {
             "sphere" => {
@@ -82,14 +91,7 @@ impl Loader {
     fn surface(&mut self, object: &Object) -> Result<usize> {
         let emission = match object.object_of("emitter")? {
             None => None,
-            Some(emitter) if emitter.plugin == "area" => {
-                let emission = match emitter.texture("radiance") {
-                    Some(texture) => ([1.0; 3], Some(self.make_texture(&texture)?)),
-                    None => (emitter.colour("radiance", Colour::Emission, 1.0)?, None),
-                };
-                emitter.finish()?;
-                Some(emission)
-            }
+            Some(emitter) if emitter.plugin == "area" => Some(self.radiance(&emitter)?),
             Some(emitter) => {
                 return Err(emitter.error(format!("a shape can only hold an area light, not {}", emitter.title())));
             }
@@ -187,7 +189,7 @@ mod tests {
     use glam::Vec2;
 
     use super::*;
-    use crate::scene::load::mitsuba::{document, object};
+    use crate::scene::load::mitsuba::{document, parse};
 
     /// Points on cylinders from the origin and the first texture coordinate that Mitsuba 3.9 reports for them.
     #[test]
@@ -233,7 +235,7 @@ mod tests {
             let shape =
                 format!(r#"<shape type="{kind}"><string name="filename" value="mesh.{kind}"/>{option}</shape>"#);
             std::fs::write(&path, format!(r#"<scene version="3.0.0">{shape}</scene>"#)).unwrap();
-            let scene = object::parse(&document::read(&path, &[]).unwrap()).unwrap();
+            let scene = parse::parse(&document::read(&path, &[]).unwrap()).unwrap();
             let (_, mesh) = read_mesh(&scene.objects()[0]).unwrap();
             assert_eq!(mesh.uvs[0], expected, "{shape}");
         }

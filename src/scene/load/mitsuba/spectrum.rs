@@ -58,6 +58,34 @@ impl Spectrum {
         spectrum.checked()
     }
 
+    /// From wavelengths in nm and as many values, both separated by commas or spaces.
+    pub(super) fn from_lists(wavelengths: &[f64], values: &[f64]) -> Result<Self, String> {
+        if wavelengths.len() != values.len() {
+            return Err(format!(
+                "there are {} wavelengths and {} values: each needs the other",
+                wavelengths.len(),
+                values.len()
+            ));
+        }
+        let mut spectrum = Self { samples: Vec::new() };
+        wavelengths.iter().zip(values).try_for_each(|(wavelength, value)| spectrum.push(*wavelength, *value))?;
+        spectrum.checked()
+    }
+
+    /// Planck's law: the spectral radiance of a black body at a temperature in kelvin, W/(m² sr nm), between two wavelengths in nm.
+    pub(super) fn black_body(temperature: f64, [first, last]: [f64; 2]) -> Result<Self, String> {
+        // CODATA 2014: twice Planck's constant times the speed of light squared, W m²; their product over Boltzmann's constant, m K.
+        const SCALE: f64 = 2.0 * 6.626_070_04e-34 * 2.997_924_58e8 * 2.997_924_58e8;
+        const PER_KELVIN: f64 = 6.626_070_04e-34 * 2.997_924_58e8 / 1.380_648_52e-23;
+        let radiance = |nanometres: f64| {
+            let metres = nanometres * 1e-9;
+            1e-9 * SCALE / (metres.powi(5) * (PER_KELVIN / (metres * temperature)).exp_m1())
+        };
+        let wavelengths: Vec<f64> = (0..=470).map(|step| first + (last - first) * f64::from(step) / 470.0).collect();
+        let values: Vec<f64> = wavelengths.iter().copied().map(radiance).collect();
+        Self::from_lists(&wavelengths, &values)
+    }
+
     /// From a file with a wavelength in nm and a value on each line; `#` starts a comment.
     pub(super) fn read(path: &Path) -> Result<Self> {
         let text = read_text(path, SPECTRUM_BYTES)?;
@@ -133,14 +161,18 @@ fn finite(text: &str) -> Option<f64> {
     text.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
+/// The bytes of `#rrggbb` as shares of 255.
+pub(super) fn hexadecimal(text: &str) -> Option<[f64; 3]> {
+    let hex = text.trim().strip_prefix('#')?;
+    let bits = (hex.len() == 6 && hex.bytes().all(|digit| digit.is_ascii_hexdigit())).then_some(hex)?;
+    let bits = u32::from_str_radix(bits, 16).ok()?;
+    Some([16, 8, 0].map(|shift| f64::from(bits >> shift & 0xff) / 255.0))
+}
+
 /// A colour as `#rrggbb` or as three numbers in 0 to 1, both with sRGB's transfer curve, in linear sRGB.
 pub(super) fn decode_srgb(text: &str) -> Option<[f64; 3]> {
-    let encoded: [f64; 3] = match text.trim().strip_prefix('#') {
-        Some(hex) if hex.len() == 6 && hex.bytes().all(|digit| digit.is_ascii_hexdigit()) => {
-            let bits = u32::from_str_radix(hex, 16).ok()?;
-            [16, 8, 0].map(|shift| f64::from(bits >> shift & 0xff) / 255.0)
-        }
-        Some(_) => return None,
+    let encoded: [f64; 3] = match text.trim().starts_with('#').then(|| hexadecimal(text)) {
+        Some(bytes) => bytes?,
         None => {
             let parts = text.split([',', ' ', '\t', '\n', '\r']).filter(|part| !part.is_empty());
             let numbers: Vec<f64> = parts.map(finite).collect::<Option<_>>()?;
@@ -238,6 +270,17 @@ mod tests {
         for (text, under_d65, as_it_is) in MITSUBA {
             agrees(text, Illuminant::D65, under_d65);
             agrees(text, Illuminant::EqualEnergy, as_it_is);
+        }
+    }
+
+    /// Linear sRGB of black bodies as Mitsuba 3.9 renders them in its spectral mode, with 10^6 wavelengths each.
+    #[test]
+    fn black_bodies_have_the_colours_of_mitsuba() {
+        for (temperature, expected) in [(5000.0, [15275.6, 12094.9, 9603.56]), (2000.0, [16.0277, 4.1164, 0.13045])] {
+            let found = Spectrum::black_body(temperature, [FIRST, LAST]).unwrap().linear_srgb(Illuminant::EqualEnergy);
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 3e-3 * expected, "{temperature} K: {found} against {expected}");
+            }
         }
     }
 

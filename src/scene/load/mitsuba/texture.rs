@@ -5,7 +5,8 @@ use std::rc::Rc;
 use glam::DAffine3;
 
 use super::loader::Loader;
-use super::object::{Colour, Object};
+use super::object::Object;
+use super::value::Colour;
 use crate::error::{Error, Result, one_of};
 use crate::image::{Encoding, read_texture};
 use crate::layout::NONE;
@@ -29,6 +30,10 @@ impl Loader {
                 let [first, second] = colours;
                 TextureDescription::new(Pattern::Checkerboard(first?, second?))
             }
+            _ if object.constant.is_some() => {
+                let value = object.constant_colour(Colour::Unbounded)?.map(|channel| channel as f32);
+                TextureDescription::new(Pattern::Checkerboard(value, value))
+            }
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         };
         texture.map = uv_map(&object.transform("to_uv")?);
@@ -36,6 +41,12 @@ impl Loader {
         let made = self.builder.texture(texture);
         self.textures.insert(Rc::as_ptr(object), made);
         Ok(made)
+    }
+
+    /// A texture that is the same everywhere.
+    pub(super) fn constant_texture(&mut self, colour: [f64; 3]) -> u32 {
+        let colour = colour.map(|channel| channel as f32);
+        self.builder.texture(TextureDescription::new(Pattern::Checkerboard(colour, colour)))
     }
 
     fn bitmap(&mut self, object: &Rc<Object>) -> Result<TextureDescription> {
@@ -56,6 +67,7 @@ impl Loader {
             object.property_error("wrap_mode", format!("'{wrap}' is not {}", one_of(WRAPS.map(|row| row.0))))
         })?; 2];
         object.optional_text("format")?; // how Mitsuba stores it changes no value that is seen
+        object.boolean("accel", true)?;
         Ok(texture)
     }
 
@@ -95,7 +107,7 @@ impl Loader {
         if let Some(texture) = object.texture(name) {
             return Ok((1.0, self.make_texture(&texture)?));
         }
-        let value = object.float(name, default)?;
+        let value = object.optional_scalar(name)?.unwrap_or(default);
         if !(range[0]..=range[1]).contains(&value) {
             return Err(object.property_error(name, format!("{value} is not in {} to {}", range[0], range[1])));
         }

@@ -40,7 +40,7 @@ fn parse_part(part: &Element) -> Result<DAffine3> {
                 .ok_or_else(|| part.error("<rotate> needs an axis: x, y or z other than 0"))?;
             Ok(DAffine3::from_quat(DQuat::from_axis_angle(axis, angle.to_radians())))
         }
-        "lookat" => {
+        "lookat" | "lookAt" => {
             let (origin, target) = (point("origin")?, point("target")?);
             let up = if part.attributes.contains_key("up") {
                 point("up")?
