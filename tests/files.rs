@@ -229,6 +229,20 @@ fn no_argument_makes_a_panic() {
     assert!(output.status.success(), "{}", errors(&output));
 }
 
+/// Drivers crash or hang where they get no more address space: there is a message before that.
+#[test]
+fn a_limit_on_address_space_is_a_message() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("wall.xml"), WALL).unwrap();
+    for kibibytes in [300_000, 500_000, 900_000] {
+        let limit = format!("ulimit -v {kibibytes};");
+        let output = in_shell(folder.path(), &limit, "render wall.xml -n 1 -o a.exr", "");
+        let said = errors(&output);
+        assert!(output.status.code() == Some(1) && said.contains("error: "), "{kibibytes}: {said}");
+        assert!(said.contains("address space (ulimit -v)"), "{said}");
+    }
+}
+
 #[test]
 fn an_ignored_signal_stays_ignored() {
     let folder = tempfile::tempdir().unwrap();

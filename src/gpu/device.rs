@@ -7,6 +7,7 @@ use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 
+use super::address_space;
 use super::fault::Fault;
 use super::instance::{Instance, InstanceShared};
 use super::submission::Submission;
@@ -60,6 +61,7 @@ impl Gpu {
     /// Opens the device that `selector` names (index, UUID or a part of the name), or, without one, the first of the
     /// fastest kind: discrete, integrated, virtual, then the processor.
     pub fn open(instance: &Instance, selector: Option<&str>) -> Result<Self> {
+        address_space::check()?;
         let devices = instance.devices()?;
         let describe = |survey: &Survey| format!("{} ({})", survey.index, survey.name);
         if devices.is_empty() {
@@ -229,8 +231,13 @@ impl Gpu {
     }
 
     /// Bytes that can still be allocated on the device's largest heap: what the driver's budget leaves, where it tells one
-    /// (VK_EXT_memory_budget), else all that lumbre does not hold.
+    /// (VK_EXT_memory_budget), else all that lumbre does not hold. On a processor what a limit on address space leaves, if that is less.
     pub fn free_memory(&self) -> u64 {
+        let own = if self.survey().kind == DeviceKind::Cpu { address_space::left_for_data() } else { None };
+        self.free_on_heap().min(own.unwrap_or(u64::MAX))
+    }
+
+    fn free_on_heap(&self) -> u64 {
         let (instance, survey) = (&self.shared.instance.raw, self.survey());
         if !survey.has_memory_budget {
             return survey.memory.saturating_sub(self.bytes_in_use());

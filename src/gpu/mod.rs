@@ -4,6 +4,7 @@
 //! [`Pipeline`], [`accel`]) holds it alive and frees itself. Handles never leave this module.
 
 pub mod accel;
+mod address_space;
 mod buffer;
 mod commands;
 mod device;
