@@ -264,6 +264,35 @@ fn list_devices_and_info_describe() {
     assert!(info.contains("2 spheres") && info.contains("dielectric"), "{info}");
 }
 
+/// Where light comes from, and which of it the technique cannot sample.
+#[test]
+fn info_tells_of_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = r#"<scene version="3.0.0"><shape type="sphere"><bsdf type="dielectric"/></shape>
+        <emitter type="point"><rgb name="intensity" value="1, 2, 0"/></emitter>
+        <emitter type="point"><point name="position" x="0" y="3" z="0"/></emitter></scene>"#;
+    std::fs::write(folder.path().join("hidden.xml"), scene).unwrap();
+    for (args, warning) in [
+        (
+            "",
+            "path does not find caustics of points, spots, projectors and parallel light: the image lacks it; sampled by",
+        ),
+        ("-i photon", ""),
+    ] {
+        let args = ["info", "hidden.xml", "--json", "info.json"].into_iter().chain(args.split_whitespace());
+        let output = lumbre(folder.path(), &args.collect::<Vec<_>>());
+        let said = text(&output.stderr);
+        assert_eq!(said.contains("does not find"), !warning.is_empty(), "{said}");
+        assert!(output.status.success() && said.contains(warning), "{said}");
+        let printed = text(&output.stdout);
+        assert!(printed.contains("power      point       25.13274 37.69911 12.56637 W, from 2"), "{printed}");
+        let json: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(folder.path().join("info.json")).unwrap()).unwrap();
+        assert_eq!(json["power"]["point"]["count"], 2);
+        assert_eq!(json["sampling"]["misses"].is_string(), !warning.is_empty());
+    }
+}
+
 #[test]
 fn bad_commands_name_what_is_valid() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,6 +2,7 @@
 
 mod census;
 mod missing;
+mod sampling;
 
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,7 @@ use lumbre::techniques::TECHNIQUES;
 use super::args::{DeviceArgs, SceneArgs, parse_size};
 use super::output::{check_json, print, print_warnings, say, write_json};
 use census::{Census, Memory};
+use sampling::Sampling;
 
 #[derive(Args)]
 pub(super) struct InfoArgs {
@@ -30,6 +32,10 @@ pub(super) struct InfoArgs {
     /// More scenes or folders
     #[arg(value_name = "MORE", requires = "missing")]
     more: Vec<PathBuf>,
+
+    /// Technique to warn about where the scene has light that it cannot sample; by default the scene's, or path
+    #[arg(short = 'i', long, value_name = "NAME")]
+    integrator: Option<String>,
 
     /// Size of the image in pixels, for the bytes on the device; by default the scene's
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -49,8 +55,15 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
         let named = std::iter::once(&args.scene.scene).chain(&args.more);
         return missing::run(named.map(PathBuf::as_path), &args.scene.options(), args.json.as_deref());
     }
+    let asked = args.integrator.as_deref().map(Technique::parse).transpose()?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
+    // What the file asks for may be refused, which is no reason not to tell what it holds.
+    let technique = Technique::of_scene(&scene, asked).or_else(|_| Technique::parse("path"))?;
+    let sampling = Sampling::of(&scene, &technique)?;
+    for warning in sampling.warnings() {
+        say!("warning: {}: {warning}", scene.source.display());
+    }
     // Everything but the size of the driver's acceleration structures is known without a device.
     let gpu = match args.device.open() {
         Err(error) if args.device.device.is_some() || args.device.validate => return Err(error),
@@ -68,7 +81,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
     });
     let memory = memory.collect::<Result<_>>()?;
     let kind = gpu.as_ref().map_or(DeviceKind::Cpu, |gpu| gpu.survey().kind);
-    let census = Census::of(&scene, memory, kernels(&scene, kind)?);
+    let census = Census::of(&scene, sampling, memory, kernels(&scene, kind)?);
     for repeat in &census.repeated_images {
         say!(
             "warning: {}: image {} ({}) holds the same texels as image {} ({}): {} are wasted",
@@ -123,6 +136,11 @@ fn print_census(census: &Census) {
         if lights.is_empty() { String::new() } else { format!(" ({})", lights.join(", ")) },
         if census.background { "yes" } else { "no" }
     ));
+    for (index, (kind, power)) in census.power.iter().enumerate() {
+        let [r, g, b] = power.watts.map(|watts| format!("{watts:.5}"));
+        let head = if index == 0 { "power" } else { "" };
+        print(&format!("{head:<10} {kind:<11} {r} {g} {b} W, from {}", power.count));
+    }
     print(&format!("textures   {}, of {} images", census.textures, census.images.len()));
     for image in &census.images {
         print(&format!(

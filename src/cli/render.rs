@@ -315,18 +315,7 @@ fn settle(
     asked: Option<Technique>,
     outputs: Vec<PathBuf>,
 ) -> Result<(Settings, Job)> {
-    let mut technique = match (asked, &scene.technique.integrator) {
-        (Some(technique), _) => technique,
-        (None, Some((name, parameters))) => {
-            let mut technique = Technique::parse(name)?;
-            parameters.iter().try_for_each(|(name, value)| technique.set(name, value))?;
-            technique
-        }
-        (None, None) => match &scene.technique.refused {
-            Some(refused) => return Err(Error::Usage(format!("{refused}; -i chooses another technique"))),
-            None => Technique::parse("path")?,
-        },
-    };
+    let mut technique = Technique::of_scene(scene, asked)?;
     if let Some(q) = &args.rr_q {
         technique.set("q", q)?;
     }

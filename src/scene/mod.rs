@@ -11,6 +11,8 @@ mod fingerprint;
 pub mod load;
 mod medium;
 pub mod needs;
+mod objects;
+mod power;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -25,6 +27,7 @@ pub use description::{
 };
 pub use load::{LoadOptions, SceneFormat, load};
 pub use needs::Needs;
+pub use power::Power;
 
 use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};

@@ -89,6 +89,23 @@ impl Technique {
         words
     }
 
+    /// The technique that is asked for, else the one that the scene's file asks for, else path tracing. Fails where the file asks for one that
+    /// there is not.
+    pub fn of_scene(scene: &Scene, asked: Option<Self>) -> Result<Self> {
+        match (asked, &scene.technique.integrator) {
+            (Some(technique), _) => Ok(technique),
+            (None, Some((name, parameters))) => {
+                let mut technique = Self::parse(name)?;
+                parameters.iter().try_for_each(|(name, value)| technique.set(name, value))?;
+                Ok(technique)
+            }
+            (None, None) => match &scene.technique.refused {
+                Some(refused) => Err(Error::Usage(format!("{refused}; -i chooses another technique"))),
+                None => Self::parse("path"),
+            },
+        }
+    }
+
     /// What the image of this scene lacks against the true one because of what the technique cannot find; nothing where it finds all.
     pub fn misses(&self, scene: &Scene) -> Option<String> {
         let has = |missing: &Missing| match missing {

@@ -8,7 +8,9 @@ use serde::Serialize;
 use lumbre::image::{Texels, TextureImage};
 use lumbre::layout::LIGHTS;
 use lumbre::render::{KernelSize, Prediction};
-use lumbre::scene::{Group, Needs, Scene};
+use lumbre::scene::{Group, Needs, Power, Scene};
+
+use super::sampling::Sampling;
 
 /// The JSON object of `lumbre info`; its keys are a contract.
 #[derive(Serialize)]
@@ -30,6 +32,10 @@ pub(super) struct Census {
     /// Entries of the light table by kind.
     pub lights: BTreeMap<&'static str, usize>,
     pub background: bool,
+    /// Flux by kind of emitter.
+    pub power: BTreeMap<&'static str, Power>,
+    /// What the chosen technique cannot sample.
+    pub sampling: Sampling,
     pub textures: usize,
     pub images: Vec<Image>,
     pub repeated_images: Vec<Repeat>,
@@ -79,7 +85,7 @@ pub(super) enum Memory {
 }
 
 impl Census {
-    pub fn of(scene: &Scene, memory: Vec<Memory>, kernels: Vec<KernelSize>) -> Self {
+    pub fn of(scene: &Scene, sampling: Sampling, memory: Vec<Memory>, kernels: Vec<KernelSize>) -> Self {
         let needs = Needs::of(scene);
         let (used, left_out) = needs.describe();
         let corner = |corner: glam::Vec3| (scene.origin + corner.as_dvec3()).to_array();
@@ -103,6 +109,8 @@ impl Census {
             materials: scene.materials.len(),
             lights,
             background: needs.background,
+            power: scene.powers(),
+            sampling,
             textures: scene.textures.len(),
             images: scene.images.iter().map(Image::of).collect(),
             repeated_images: repeated(&scene.images),
