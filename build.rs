@@ -66,7 +66,7 @@ fn variants() -> Result<Vec<Variant>, String> {
                 });
             }
         }
-        for folder in ["test", "rays"] {
+        for folder in ["film", "rays", "test"] {
             for kernel in files_in(&format!("shaders/kernels/{folder}")) {
                 // What a driver traverses on its own cannot be counted.
                 if kernel == "count.glsl" && !backend.counts {

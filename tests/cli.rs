@@ -325,7 +325,7 @@ fn bad_commands_name_what_is_valid() {
     assert!(render(&["--lengths=99"]).contains("99"));
     assert!(render(&["--strategies"]).contains("it is valid with bdpt"));
     assert!(render(&["--strategies=7"]).contains("1..=6"));
-    assert!(render(&["--aov", "bogus", "-o", "a.exr"]).contains("variance or samples"));
+    assert!(render(&["--aov", "bogus", "-o", "a.exr"]).contains("valid are variance, samples, albedo, "));
     assert!(render(&["--lengths", "-o", "a.png"]).contains(".exr"));
     assert!(render(&["-o", "a.gif"]).contains(".exr or .png"));
     assert!(render(&["-o", "nowhere/a.exr"]).contains("nowhere"));

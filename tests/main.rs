@@ -11,6 +11,7 @@ static ALLOCATOR: common::hostile::Bounded = common::hostile::Bounded;
 
 mod agreement;
 mod analytic;
+mod aovs;
 mod architecture;
 mod bench;
 mod bidirectional;

@@ -57,14 +57,22 @@ Pixel pixel_open(uint slot) {
 
 bool pixel_has_sample(Pixel pixel) { return pixel.sample_index < frame.first_sample + frame.sample_count; }
 
-// Begins the pixel's next sample: its random numbers, a place under the filter, and the ray through it.
-Ray sample_open(inout Pixel pixel, inout Estimate e, out Sampler random) {
+// Begins the pixel's next sample: its random numbers, and a place under the filter, as it lies from the pixel's centre. `on_lens` chooses the
+// point of the lens.
+vec2 sample_offset(inout Pixel pixel, out Sampler random, out vec2 on_lens) {
     random = Sampler(pixel.index, pixel.sample_index, 0u, frame.seed);
     vec4 u = next4(random);
     pixel.filter_weight = 1.0;
-    vec2 offset = vec2(filter_offset(u.x, pixel.filter_weight), filter_offset(u.y, pixel.filter_weight));
+    on_lens = u.zw;
+    return vec2(filter_offset(u.x, pixel.filter_weight), filter_offset(u.y, pixel.filter_weight));
+}
+
+// The ray of the pixel's next sample.
+Ray sample_open(inout Pixel pixel, inout Estimate e, out Sampler random) {
+    vec2 on_lens;
+    vec2 offset = sample_offset(pixel, random, on_lens);
     estimate_clear(e);
-    return camera_ray(vec2(pixel.xy) + 0.5 + offset, u.zw);
+    return camera_ray(vec2(pixel.xy) + 0.5 + offset, on_lens);
 }
 
 // (sum, low) += x without losing what the sum is too coarse to hold (Knuth, The Art of Computer Programming 2, 4.2.2). The

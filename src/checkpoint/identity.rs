@@ -34,6 +34,7 @@ impl Identity {
             seed,
             lengths,
             strategies,
+            aovs: _, // made anew once the image is there, whose bits they do not change
             specialise,
             driver_specialises,
             arithmetic,

@@ -2,6 +2,7 @@
 
 mod job;
 mod keep;
+mod layers;
 mod progress;
 mod pyramid;
 mod report;
@@ -20,7 +21,7 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{AovSettings, Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
@@ -43,7 +44,7 @@ pub(super) struct RenderArgs {
     #[arg(short = 'i', long, value_name = "NAME")]
     integrator: Option<String>,
 
-    /// Output: .exr (linear, 32-bit float) or .png (sRGB); may repeat. By default both, named after the scene
+    /// Output: .exr (linear, 32-bit float) or .png (sRGB); may repeat. '-' is an EXR to standard output. By default both, named after the scene
     #[arg(short = 'o', long, value_name = "FILE")]
     output: Vec<PathBuf>,
 
@@ -102,9 +103,14 @@ pub(super) struct RenderArgs {
           value_parser = clap::value_parser!(u32).range(1..=i64::from(LONGEST)))]
     strategies: Option<u32>,
 
-    /// Further EXR layers, separated by commas: variance (of each pixel's mean), samples
+    /// Further EXR layers, separated by commas: variance (of each pixel's mean), samples, or AOVs (docs/aovs.md): albedo, normal,
+    /// geometric_normal, position, depth, uv, material_id, object_id, emission, or all of these. By default those that the scene asks for
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     aov: Vec<String>,
+
+    /// Let AOVs tell what mirrors and smooth glass show, rather than these themselves
+    #[arg(long)]
+    aov_through_specular: bool,
 
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
@@ -168,16 +174,12 @@ fn asked_spp(args: &RenderArgs, scene: &Scene, camera: &Camera) -> u32 {
     args.spp.or(scene.spp_of(camera)).unwrap_or(DEFAULT_SPP)
 }
 
-const AOVS: [&str; 2] = ["variance", "samples"];
-
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
     let interrupted = listen_for_interrupts();
     // What is wrong with the command itself is said before any work.
     let asked = args.integrator.as_deref().map(Technique::parse).transpose()?;
-    if let Some(unknown) = args.aov.iter().find(|name| !AOVS.contains(&name.as_str())) {
-        return Err(Error::Usage(format!("no layer '{unknown}': valid are {}", one_of(AOVS))));
-    }
+    let mut layers = layers::parse(&args.aov)?;
     let outputs = outputs(args)?;
 
     let scene = args.scene.load()?;
@@ -191,6 +193,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     let gpu = args.device.open()?;
     let (mut settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
+    if layers.is_empty() && has_exr(&job.outputs) {
+        layers = layers::of_scene(&scene)?;
+    }
+    let through_specular = args.aov_through_specular;
+    settings.aovs = layers::have_aovs(&layers).then_some(AovSettings { through_specular });
+    if through_specular && settings.aovs.is_none() {
+        let message = "--aov-through-specular is about AOVs, and none is asked for: valid is with --aov";
+        return Err(Error::Usage(String::from(message)));
+    }
     if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
         say!("warning: {} does not find {missed}: the image lacks it", settings.technique.row.name);
     }
@@ -233,7 +244,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
-    let picture = report::picture(&film, &result, &args.aov);
+    // Should they fail, the image is still to be written.
+    let (aovs, lost) = match renderer.aovs() {
+        Ok(aovs) => (aovs, None),
+        Err(error) => (None, Some(error)),
+    };
+    let mut picture = report::picture(&film, &result, layers::images(&layers, &film, aovs.as_ref()));
+    if let Some(aovs) = &aovs {
+        picture.header.extend(layers::header(&layers, &scene, aovs));
+    }
     write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
     if let Some(path) = &args.json {
         write_json(path, &result)?;
@@ -243,6 +262,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         report::print_summary(&result, &job.outputs, interrupted.load(Ordering::Relaxed));
     }
     kept.map_err(|error| keeper.explain(error))?;
+    lost.map_or(Ok(()), |error| Err(keeper.explain(error)))?;
     DeviceArgs::report_validation(&gpu)
 }
 
@@ -284,7 +304,9 @@ fn iterate(
 
 /// The outputs, each of which can be written.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
-    let mut outputs = args.output.clone();
+    let stdout = Path::new("/dev/stdout");
+    let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
+    let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
     if outputs.is_empty() {
         let stem = args.scene.scene.file_stem().filter(|stem| *stem != STANDARD_INPUT);
         let stem = PathBuf::from(stem.unwrap_or_else(|| "image".as_ref()));
@@ -297,14 +319,17 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
         return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
     }
-    let has_exr = outputs.iter().any(|path| matches!(format_of(path), Ok(Format::Exr)));
-    if !has_exr && (args.lengths.is_some() || !args.aov.is_empty()) {
+    if !has_exr(&outputs) && (args.lengths.is_some() || !args.aov.is_empty()) {
         return Err(Error::Usage(String::from(
             "--lengths and --aov write layers of an EXR file: give an output that ends in .exr",
         )));
     }
     check_json(args.json.as_deref())?;
     Ok(outputs)
+}
+
+fn has_exr(outputs: &[PathBuf]) -> bool {
+    outputs.iter().any(|path| matches!(format_of(path), Ok(Format::Exr)))
 }
 
 /// What the command line, then the scene, then the defaults ask for.

@@ -9,17 +9,16 @@ use exr::prelude::{
 
 use super::Image;
 use super::limits::{EXR_RATIO, check_size};
-use super::picture::{Format, Picture, format_of};
+use super::picture::{COLOURS, Format, Picture, format_of};
 use crate::error::{Error, Result};
 use crate::files::{WriteSeek, open};
 
 /// Writes a picture with its layers and its header, compressed without loss.
 pub(super) fn write(file: &mut dyn WriteSeek, picture: &Picture) -> Result<(), String> {
     let mut channels = Vec::new();
-    let images = std::iter::once((String::new(), &picture.image))
-        .chain(picture.layers.iter().map(|layer| (format!("{}.", layer.name), &layer.image)));
-    for (prefix, image) in images {
-        for (index, channel) in ["R", "G", "B"].into_iter().enumerate() {
+    let layers = picture.layers.iter().map(|layer| (format!("{}.", layer.name), layer.channels, &layer.image));
+    for (prefix, names, image) in std::iter::once((String::new(), COLOURS, &picture.image)).chain(layers) {
+        for (index, channel) in names.iter().enumerate() {
             let samples = image.pixels.iter().map(|pixel| pixel[index]).collect();
             channels.push(AnyChannel::new(text(&format!("{prefix}{channel}")), FlatSamples::F32(samples)));
         }

@@ -18,11 +18,23 @@ pub enum Format {
 /// An image with a name: a further layer of an EXR file.
 #[derive(Clone, Debug)]
 pub struct NamedLayer {
-    /// Its channels are `name.R`, `name.G` and `name.B`.
+    /// Its channels are `name.R`, `name.G` and `name.B`, or what [`NamedLayer::channels`] says.
     pub name: String,
+    /// Their names, of which there are as many as of the pixels' values are written: 1 to 3.
+    pub channels: &'static [&'static str],
     /// Its values.
     pub image: Image,
 }
+
+impl NamedLayer {
+    /// A layer of colours.
+    pub fn colours(name: impl Into<String>, image: Image) -> Self {
+        Self { name: name.into(), channels: COLOURS, image }
+    }
+}
+
+/// The channels of a colour.
+pub(super) const COLOURS: &[&str] = &["R", "G", "B"];
 
 /// What an image file holds.
 #[derive(Clone, Debug)]

@@ -12,6 +12,7 @@
 
 #[macro_use]
 mod macros;
+mod aovs;
 mod arrays;
 pub mod backend;
 mod constants;
@@ -26,6 +27,7 @@ mod scene_uniforms;
 mod specialisation;
 mod types;
 
+pub use aovs::*;
 pub(crate) use arrays::scene_arrays;
 pub use arrays::{ARRAY_NAMES, ArrayNames};
 pub use constants::*;
@@ -48,6 +50,7 @@ pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
         scene_uniforms::STRUCTS,
         frame_structs::STRUCTS,
         light_subpaths::STRUCTS,
+        aovs::STRUCTS,
         probes::STRUCTS,
     ];
     rooms.into_iter().flatten()

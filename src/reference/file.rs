@@ -66,9 +66,9 @@ pub fn read_certificate(path: &Path) -> Result<Option<Certificate>> {
 /// Writes a reference with what is known of it.
 pub fn write(path: &Path, truth: &Truth) -> Result<()> {
     let layers = [(VARIANCE, &truth.variance), (NOISE, &truth.noise), (DIFFERENCE, &truth.difference_map)];
-    let layers = layers.into_iter().filter_map(|(name, image)| {
-        image.as_ref().map(|image| NamedLayer { name: name.to_owned(), image: image.clone() })
-    });
+    let layers = layers
+        .into_iter()
+        .filter_map(|(name, image)| image.as_ref().map(|image| NamedLayer::colours(name, image.clone())));
     let mut header = Vec::new();
     if let Some(certificate) = &truth.certificate {
         let text = serde_json::to_string(certificate).map_err(|error| Error::write(path, error))?;

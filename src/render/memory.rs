@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::aovs;
 use super::device_scene::most_in_part;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
@@ -61,6 +62,7 @@ impl Prediction {
     pub fn of(scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) -> Result<Self> {
         let mut table = Table::default();
         table.film(settings);
+        table.aovs(scene, settings, gpu);
         for part in settings.technique.row.state().bytes(scene, settings)? {
             table.add(part.name, part.bytes, part.exact);
         }
@@ -248,6 +250,20 @@ impl Table {
         // A buffer of nothing takes four bytes.
         self.add("film by path length", (pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES).max(4), true);
         self.add("tally", TALLY_BYTES, true);
+    }
+
+    fn aovs(&mut self, scene: &Scene, settings: &Settings, gpu: Option<&Gpu>) {
+        if settings.aovs.is_none() {
+            return;
+        }
+        let instances = match (settings.backend, gpu) {
+            (Backend::RayQuery, Some(gpu)) => placements(gpu, scene),
+            _ if settings.needs(scene).instances => scene.instances.len() as u64,
+            _ => 1,
+        };
+        for (name, bytes) in aovs::bytes(scene, settings, instances) {
+            self.add(name, bytes.max(4), true);
+        }
     }
 
     fn arrays(&mut self, scene: &Scene, settings: &Settings, needs: &Needs) {

@@ -4,6 +4,7 @@
 //! submission of about a tenth of a second, so that drivers' watchdogs never fire, progress is smooth, and an interrupt
 //! is answered at once.
 
+pub mod aovs;
 mod device_scene;
 pub mod film;
 mod frames;
@@ -20,6 +21,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use aovs::{AovFilm, AovPass};
 pub use memory::{Part, Prediction};
 pub use probe::Probe;
 pub use spent::{Spent, spent};
@@ -78,6 +80,7 @@ pub struct Renderer {
     stages: Vec<u32>,
     /// What the technique keeps on the device.
     state: Box<dyn TechniqueState>,
+    aovs: Option<AovPass>,
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
@@ -120,6 +123,7 @@ impl Renderer {
             instance_order: device_scene.instance_order(),
         };
         let state = settings.technique.row.state().make(&context)?;
+        let aovs = settings.aovs.map(|own| AovPass::new(gpu, scene, settings, &device_scene, own)).transpose()?;
         let pixels = settings.pixels();
         let mut renderer = Self {
             gpu: gpu.clone(),
@@ -142,11 +146,17 @@ impl Renderer {
             seconds: Seconds { build, ..Seconds::default() },
             passes,
             state,
+            aovs,
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
         };
-        while_compiling(watch, || renderer.dispatch(Frame::NOTHING, true))?;
+        while_compiling(watch, || {
+            if let Some(aovs) = &renderer.aovs {
+                aovs.dispatch(gpu, Frame::NOTHING, renderer.constants(Frame::NOTHING))?;
+            }
+            renderer.dispatch(Frame::NOTHING, true)
+        })?;
         renderer.seconds.compile = started.elapsed().as_secs_f64();
         spent::compiled(renderer.seconds.compile);
         renderer.finish_trials(&context, watch)?;
@@ -318,6 +328,13 @@ impl Renderer {
         film.nonfinite = self.nonfinite;
         film.bad_samples.clone_from(&self.bad_samples);
         Ok(film)
+    }
+
+    /// The AOVs, from as many samples as each pixel has by now, 1 at least and [`aovs::MOST_SAMPLES`] at most; nothing where the settings ask
+    /// for none.
+    pub fn aovs(&self) -> Result<Option<AovFilm>> {
+        let Some(pass) = &self.aovs else { return Ok(None) };
+        pass.render(&self.gpu, &self.settings, self.spp(), |frame| self.constants(frame)).map(Some)
     }
 
     /// What all passes of a frame are given.

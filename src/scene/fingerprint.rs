@@ -38,6 +38,7 @@ macro_rules! hash_content {
                     environment,
                     background_probability,
                     groups,
+                    shapes: _, // for AOVs, which no image depends on
                     instances,
                     origin,
                     bounds,
@@ -140,7 +141,8 @@ impl Part for Filter {
 
 impl Part for TechniqueRequest {
     fn feed(&self, hasher: &mut impl Hasher) {
-        let Self { integrator, refused: _, hide_emitters, spp, max_depth, rr_depth } = self; // what is refused is for messages
+        // What is refused is for messages, and no image depends on AOVs.
+        let Self { integrator, refused: _, hide_emitters, spp, max_depth, rr_depth, aovs: _ } = self;
         integrator.hash(hasher);
         hide_emitters.hash(hasher);
         spp.hash(hasher);
@@ -205,6 +207,7 @@ mod tests {
     use glam::{DAffine3, DVec3, Vec3};
 
     use super::*;
+    use crate::scene::NamedShape;
     use crate::scene::camera::FovAxis;
 
     macro_rules! of_arrays {
@@ -238,6 +241,7 @@ mod tests {
                     environment: Some(Environment { texture: 0, from_world: [[0.0; 3]; 3], cells: [0; 2] }),
                     background_probability: 0.0,
                     groups: vec![Group { name: String::from("group"), triangles: 0..0, spheres: 0..0 }],
+                    shapes: Vec::new(),
                     instances: vec![Instance { group: 0, to_world: DAffine3::ZERO }],
                     origin: DVec3::ZERO,
                     bounds: Bounds { min: Vec3::ZERO, max: Vec3::ZERO },
@@ -297,6 +301,7 @@ mod tests {
             environment: other |it| *it = None;
             background_probability: other |it| *it = 1.0;
             groups: other |it| it.push(it[0].clone());
+            shapes: same |it| it.push(NamedShape { name: String::new(), group: 0, primitives: 0..0 });
             instances: other |it| it.push(it[0]);
             origin: other |it| it.z = 1.0;
             bounds: other |it| it.max.z = 1.0;
@@ -325,6 +330,7 @@ mod tests {
             spp: other |it| *it = Some(0);
             max_depth: other |it| *it = Some(None);
             rr_depth: other |it| *it = Some(0);
+            aovs: same |it| it.push((String::from("depth"), "depth"));
         });
         check_fields!(TextureImage, |scene| scene.images[0], {
             source: same |it| it.push("elsewhere");

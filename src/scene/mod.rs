@@ -81,6 +81,8 @@ macro_rules! scene_struct {
             pub background_probability: f32,
             /// Runs of primitives that are placed together.
             pub groups: Vec<Group>,
+            /// What the groups are made of, group by group in the order of the file.
+            pub shapes: Vec<NamedShape>,
             /// Placements of groups, in the rebased world.
             pub instances: Vec<Instance>,
             /// World coordinates of the origin that all positions here are relative to.
@@ -123,6 +125,17 @@ impl Group {
     pub fn primitives(&self) -> Range<usize> {
         self.triangles.start as usize..self.spheres.end as usize
     }
+}
+
+/// A shape of a group, as the file has it.
+#[derive(Clone, Debug)]
+pub struct NamedShape {
+    /// Its name.
+    pub name: String,
+    /// Index of its group.
+    pub group: usize,
+    /// Its primitives.
+    pub primitives: Range<u32>,
 }
 
 /// One placement of a group.

@@ -17,6 +17,13 @@ pub(crate) fn slots(width: u32, height: u32) -> u64 {
     u64::from(width.div_ceil(8)) * u64::from(height.div_ceil(8)) * 64
 }
 
+/// How AOVs are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AovSettings {
+    /// Of what mirrors and smooth glass show, rather than of these themselves.
+    pub through_specular: bool,
+}
+
 /// What to render with.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -44,6 +51,8 @@ pub struct Settings {
     pub lengths: u32,
     /// Layers by strategy, whose longest paths must be the longest there are.
     pub strategies: Option<Strategies>,
+    /// AOVs, sampled besides the image.
+    pub aovs: Option<AovSettings>,
     /// Compile only what the scene needs; otherwise everything there is, which gives the same bits.
     pub specialise: bool,
     /// Give the driver whole modules and the values of their constants, rather than modules that hold no more than these leave: it takes
@@ -73,6 +82,7 @@ impl Settings {
             seed: 0,
             lengths: 0,
             strategies: None,
+            aovs: None,
             specialise: true,
             driver_specialises: false,
             arithmetic: Arithmetic::Free,
@@ -106,7 +116,9 @@ impl Settings {
 
     /// What the kernel models.
     pub(crate) fn needs(&self, scene: &Scene) -> Needs {
-        if self.specialise { Needs::of(scene) } else { Needs::everything(scene) }
+        let needs = if self.specialise { Needs::of(scene) } else { Needs::everything(scene) };
+        // Texture coordinates are an AOV.
+        Needs { uvs: needs.uvs || self.aovs.is_some(), ..needs }
     }
 
     /// The rays of the image.

@@ -37,7 +37,7 @@ pub fn truth(gpu: &Gpu, name: &str, scene: &Scene, settings: &Settings, spp: u32
         if !is_made {
             return film;
         }
-        let layers = vec![NamedLayer { name: String::from(VARIANCE), image: film.mean_variance() }];
+        let layers = vec![NamedLayer::colours(VARIANCE, film.mean_variance())];
         let what = format!("{}, {spp} samples per pixel, seed {}", settings.technique.describe(), settings.seed);
         let header = vec![(String::from("settings"), what)];
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();

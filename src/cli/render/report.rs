@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use lumbre::error::Result;
 use lumbre::gpu::Gpu;
-use lumbre::image::{Image, NamedLayer, Picture};
+use lumbre::image::{NamedLayer, Picture};
 use lumbre::render::film::{BadSample, ErrorEstimate, Film};
 use lumbre::render::{KernelSize, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
@@ -151,31 +151,21 @@ fn doubt(estimate: &ErrorEstimate, technique: &Technique, scene: &Scene) -> Opti
     estimate.is_at_least().then(|| format!("a thousandth of the pixels makes {share:.0} % of its square"))
 }
 
-/// The image with the layers that were asked for.
-pub(super) fn picture(film: &Film, report: &Report, aovs: &[String]) -> Picture {
+/// The image with its layers by length or strategy, and those that `--aov` asks for.
+pub(super) fn picture(film: &Film, report: &Report, mut further: Vec<NamedLayer>) -> Picture {
     let mut layers = Vec::new();
     let count = film.lengths.len();
     for layer in 0..count {
         let open_ended = layer + 1 == count && report.max_depth != count as i64;
         let name = format!("length{:02}{}", layer + 1, if open_ended { "plus" } else { "" });
-        layers.push(NamedLayer { name, image: film.length(layer) });
+        layers.push(NamedLayer::colours(name, film.length(layer)));
     }
     for found in &film.strategies {
         let name = found.strategy.name();
-        layers.push(NamedLayer { name: format!("{name}_unweighted"), image: film.image_of(&found.unweighted) });
-        layers.push(NamedLayer { name, image: film.image_of(&found.weighted) });
+        layers.push(NamedLayer::colours(format!("{name}_unweighted"), film.image_of(&found.unweighted)));
+        layers.push(NamedLayer::colours(name, film.image_of(&found.weighted)));
     }
-    for aov in aovs {
-        let image = match aov.as_str() {
-            "variance" => film.mean_variance(),
-            _ => Image {
-                width: film.width,
-                height: film.height,
-                pixels: film.counts.iter().map(|count| [*count as f32; 3]).collect(),
-            },
-        };
-        layers.push(NamedLayer { name: aov.clone(), image });
-    }
+    layers.append(&mut further);
     Picture { image: film.mean(), layers, header: report.header() }
 }
 

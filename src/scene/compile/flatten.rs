@@ -11,8 +11,8 @@ use crate::layout::{
     Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_EMITS_BEHIND,
     SURFACE_HAS_ALPHA_COLOURS, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
 };
-use crate::scene::Group;
 use crate::scene::description::{Group as GroupDescription, Mesh, Shape, Side, SurfaceDescription};
+use crate::scene::{Group, NamedShape};
 
 /// The corners of a primitive without vertex attributes.
 const NO_CORNERS: Corners = Corners { i0: NONE, i1: NONE, i2: NONE };
@@ -50,6 +50,10 @@ pub(super) struct Flat {
     pub tangents: Vec<[f32; 4]>,
     pub colours: Vec<[f32; 4]>,
     pub surfaces: Vec<Surface>,
+    /// The shapes of each group.
+    pub shapes: Vec<NamedShape>,
+    /// Groups so far.
+    groups: usize,
     /// The lights that primitives are.
     pub emitters: Vec<Emitter>,
     pub degenerate: usize,
@@ -94,6 +98,8 @@ impl Flat {
             tangents: Vec::new(),
             colours: Vec::new(),
             surfaces,
+            shapes: Vec::new(),
+            groups: 0,
             emitters: Vec::new(),
             degenerate: 0,
             repeated: 0,
@@ -111,6 +117,8 @@ impl Flat {
         is_world: bool,
     ) -> Result<Group> {
         let first = self.primitives.len() as u32;
+        let own_group = self.groups;
+        self.groups += 1;
         let mut spheres = Vec::new();
         for (shape, surface, name) in group.shapes {
             let emission = self.surfaces[surface].emission.map(f64::from);
@@ -122,18 +130,25 @@ impl Flat {
                 );
                 return Err(Error::scene(source, message));
             }
+            let start = self.primitives.len() as u32;
             match shape {
                 Shape::Mesh { mesh, to_group } => {
                     self.add_mesh(source, &name, &mesh, to_local * to_group, surface, emits)?
                 }
                 Shape::Sphere { centre, radius, axes } => {
-                    spheres.push((to_local.transform_point3(centre).as_vec3(), radius as f32, axes, surface, emits))
+                    let centre = to_local.transform_point3(centre).as_vec3();
+                    spheres.push((centre, radius as f32, axes, surface, emits, self.shapes.len()))
                 }
             }
+            // Of spheres, which follow all triangles, below.
+            let primitives = start..self.primitives.len() as u32;
+            self.shapes.push(NamedShape { name, group: own_group, primitives });
         }
         let middle = self.primitives.len() as u32;
         let mut lit_surfaces: HashSet<usize> = self.emitters.iter().map(|emitter| emitter.surface).collect();
-        for (centre, radius, axes, mut surface, emits) in spheres {
+        for (centre, radius, axes, mut surface, emits, shape) in spheres {
+            let own = self.primitives.len() as u32;
+            self.shapes[shape].primitives = own..own + 1;
             // Each emitting sphere has a density of its own, which its surface holds.
             if emits && !lit_surfaces.insert(surface) {
                 self.surfaces.push(self.surfaces[surface]);

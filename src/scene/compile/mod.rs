@@ -164,6 +164,7 @@ impl SceneBuilder {
             background_table: background_table.unwrap_or_default(),
             background_probability: table.background_probability as f32,
             groups: placed,
+            shapes: flat.shapes,
             instances,
             origin,
             bounds,

@@ -29,6 +29,8 @@ pub struct TechniqueRequest {
     pub max_depth: Option<Option<u32>>,
     /// Segments before Russian roulette.
     pub rr_depth: Option<u32>,
+    /// Further layers of the image: the name of each, and what it shows, as `--aov` calls it.
+    pub aovs: Vec<(String, &'static str)>,
 }
 
 /// How the lights of a scene are selected.

@@ -2,16 +2,49 @@
 
 use super::loader::Loader;
 use super::object::Object;
-use crate::error::Result;
+use crate::error::{Result, one_of};
 
 const SUPPORTED: [&str; 7] = ["path", "direct", "volpath", "volpathmis", "ptracer", "moment", "aov"];
+
+/// The AOVs of Mitsuba, and what `--aov` calls them.
+const AOVS: [(&str, &str); 7] = [
+    ("albedo", "albedo"),
+    ("depth", "depth"),
+    ("position", "position"),
+    ("uv", "uv"),
+    ("geo_normal", "geometric_normal"),
+    ("sh_normal", "normal"),
+    ("shape_index", "object_id"),
+];
+
+/// The most bytes of a layer's name: with its channel it must fit into the header of an EXR file.
+const NAME_BYTES: usize = 200;
+
+/// The layer and the AOV of `NAME:TYPE`.
+fn aov(text: &str) -> Result<(String, &'static str), String> {
+    let (name, kind) = text.split_once(':').ok_or_else(|| format!("'{text}' is not NAME:TYPE"))?;
+    if name.is_empty() || name.len() > NAME_BYTES {
+        return Err(format!("the name of a layer has {} bytes: valid are 1 to {NAME_BYTES}", name.len()));
+    }
+    let found = AOVS.iter().find(|(known, _)| *known == kind);
+    let (_, aov) = found.ok_or_else(|| {
+        format!("the AOV type '{kind}' of '{name}' is not read: valid are {}", one_of(AOVS.map(|(known, _)| known)))
+    })?;
+    Ok((name.to_owned(), aov))
+}
 
 impl Loader {
     pub(super) fn set_integrator(&mut self, object: &Object) -> Result<()> {
         match object.plugin.as_str() {
             // Wrappers that add channels of their own: the technique is the one inside.
             "moment" | "aov" => {
-                object.optional_text("aovs")?;
+                if let Some(list) = object.optional_text("aovs")? {
+                    let tokens = list.split(',').map(str::trim).filter(|token| !token.is_empty());
+                    for token in tokens.collect::<Vec<_>>() {
+                        let aov = aov(token).map_err(|message| object.property_error("aovs", message))?;
+                        self.builder.technique.aovs.push(aov);
+                    }
+                }
                 if let Some(inner) = object.object_of("integrator")? {
                     self.set_integrator(&inner)?;
                 }
