@@ -37,13 +37,15 @@ LightSample sphere_light_middle(Light light, vec3 p, vec2 u) {
     return s;
 }
 
-// A sample of one light as light_sample has it, but of its middle; the background has none.
-LightSample light_middle_sample(ReferencePoint r, vec4 u) {
+// A sample of one light as light_sample has it, but of the `middle` of area lights; the background has none.
+LightSample light_middle_sample(ReferencePoint r, vec4 u, out bool middle) {
     vec3 p = r.position;
+    middle = false;
     if (background_chosen(u.x)) return background_sample(p, u);
     Light light;
     LightSample s = no_light();
     if (!light_choose(r, u.xy, light)) return s;
+    middle = !(HAS_DELTA_LIGHTS && is_delta_light(light));
     if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_middle(light, p);
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_middle(light, p, u.zw);
     if (HAS_DELTA_LIGHTS && is_delta_light(light)) s = delta_light_sample(light, p);

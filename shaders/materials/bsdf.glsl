@@ -11,19 +11,21 @@ struct BsdfSample {
     vec3 weight;  // f |cos_i| / pdf_w; zero where the sample is invalid
     float pdf_w;  // over solid angle of wi; of a delta lobe, the discrete probability of choosing it
     bool delta;
+    bool narrow;  // it comes from a narrow lobe, a delta among them
     float eta;    // index ratio that a refraction crossed, 1 otherwise
     bool open;    // weight and pdf_w are still to be evaluated, by bsdf_eval and bsdf_pdf
 };
 
 // A sample whose weight the lobe's own formula gives.
-BsdfSample bsdf_sampled(vec3 wi, vec3 weight, float pdf_w, bool delta, float eta) { return BsdfSample(wi, weight, pdf_w, delta, eta, false); }
+BsdfSample bsdf_sampled(vec3 wi, vec3 weight, float pdf_w, bool delta, float eta) { return BsdfSample(wi, weight, pdf_w, delta, delta, eta, false); }
 
-// One of a mixture of lobes, which have to be added up.
-BsdfSample bsdf_open_sample(vec3 wi, float eta) { return BsdfSample(wi, vec3(0.0), 0.0, false, eta, true); }
+// One of a mixture of lobes, which have to be added up, by a lobe that is narrow or not.
+BsdfSample bsdf_open_sample(vec3 wi, float eta, bool narrow) { return BsdfSample(wi, vec3(0.0), 0.0, false, narrow, eta, true); }
 
 // None.
-BsdfSample bsdf_no_sample(vec3 wi) { return BsdfSample(wi, vec3(0.0), 0.0, false, 1.0, false); }
+BsdfSample bsdf_no_sample(vec3 wi) { return BsdfSample(wi, vec3(0.0), 0.0, false, false, 1.0, false); }
 
+#include "materials/lobes.glsl"
 #include "materials/microfacet.glsl"
 
 // Whether the material is of a kind; false at compile time where the scene has none of it (`present`), which no function could hand back.
@@ -69,6 +71,30 @@ bool bsdf_is_delta(Bsdf b) { return ALL_LOBES_ARE_DELTA(b); }
 // Some lobe passes light through: its frame is never turned round.
 bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 0u; }
 
+// Whether some lobe is narrow, as far as that is known without looking at the parameters of mixtures.
+bool bsdf_has_narrow(Bsdf b) { return SPLITS && IS_ROUGH(b) && (IS_MIXTURE(b) || is_narrow(roughness(b.m))); }
+
+// Whether some lobe is broad, likewise: neither a delta nor narrow.
+bool bsdf_has_broad(Bsdf b) { return !bsdf_is_delta(b) && !(SPLITS && IS_ROUGH(b) && !IS_MIXTURE(b) && is_narrow(roughness(b.m))); }
+
+// The BSDF of its broad lobes alone, of its narrow ones, and of those of the class that a sample comes from. The same BSDF in techniques that
+// do not split.
+Bsdf broad_lobes(Bsdf b) {
+    if (SPLITS) b.m.flags |= WITHOUT_NARROW_LOBES;
+    return b;
+}
+Bsdf narrow_lobes(Bsdf b) {
+    if (SPLITS) b.m.flags |= WITHOUT_BROAD_LOBES;
+    return b;
+}
+Bsdf sampled_lobes(Bsdf b, BsdfSample s) {
+    if (SPLITS) b.m.flags |= s.narrow ? WITHOUT_BROAD_LOBES : WITHOUT_NARROW_LOBES;
+    return b;
+}
+
+// Whether the material is one lobe, of a class that does not take part. A mixture sees to its lobes by itself.
+bool bsdf_left_out(Bsdf b) { return SPLITS && !IS_MIXTURE(b) && !takes_lobes(b.m, IS_ROUGH(b) && is_narrow(roughness(b.m))); }
+
 // A direction for the given uniform numbers; weight and density include the choice of the lobe. It may be left open.
 BsdfSample bsdf_choose(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
@@ -80,12 +106,14 @@ BsdfSample bsdf_choose(Bsdf b, vec3 wo, vec3 u) {
     }
     SAMPLE_BSDF(s, b, wo, u)
     if (is_compensated(b.m)) s = compensation_sample(b.m, b.compensation, wo, u, s, probability, compensates);
+    if (!IS_MIXTURE(b) && IS_ROUGH(b) && is_narrow(roughness(b.m))) s.narrow = true;
     return s;
 }
 
 // f |cos_i| of the non-delta lobes.
 vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
     vec3 f = vec3(0.0);
+    if (bsdf_left_out(b)) return f;
     EVALUATE_BSDF(f, b, wo, wi)
     if (is_compensated(b.m)) f += compensation_eval(b.m, b.compensation, wo, wi);
     return f;
@@ -94,6 +122,7 @@ vec3 bsdf_eval(Bsdf b, vec3 wo, vec3 wi) {
 // Density over solid angle with which bsdf_sample picks wi, of the non-delta lobes.
 float bsdf_pdf(Bsdf b, vec3 wo, vec3 wi) {
     float pdf = 0.0;
+    if (bsdf_left_out(b)) return pdf;
     BSDF_DENSITY(pdf, b, wo, wi)
     if (is_compensated(b.m)) {
         float probability = compensation_probability(b.m, b.compensation, wo);
@@ -130,9 +159,10 @@ void bsdf_close(Bsdf b, vec3 wo, float pdf_w, inout BsdfSample s) {
     if (HAS_OPEN_SAMPLES && s.open) bsdf_closed(s, bsdf_eval(b, wo, s.wi), pdf_w);
 }
 
-// A direction for the given uniform numbers; weight and density include the choice of the lobe.
+// A direction for the given uniform numbers; weight and density include the choice of the lobe, in techniques that split those of its class.
 BsdfSample bsdf_sample(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = bsdf_choose(b, wo, u);
+    b = sampled_lobes(b, s);
     if (HAS_OPEN_SAMPLES && s.open) bsdf_close(b, wo, bsdf_pdf(b, wo, s.wi), s);
     return s;
 }

@@ -150,7 +150,7 @@ vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     float cos_h = refracted ? (inside ? wi_h : wo_h) : half_cosine(wo, facing);
     vec3 f = layered_fresnel(m, l, cos_h, reflected && inside);
     vec2 alpha = vec2(layered_alpha(m.alpha_u));
-    float visible = ggx_d(h, alpha) * ggx_g2(wo, facing, alpha, true);
+    float visible = takes_lobes(m, is_narrow(alpha)) ? ggx_d(h, alpha) * ggx_g2(wo, facing, alpha, true) : 0.0;
     float cos_i = abs(wi.z);
     float under_sheen = layered_under_sheen(l, wo, wi);
     float under = layered_under_coat(l, wo, wi) * under_sheen;
@@ -166,14 +166,14 @@ vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     vec3 value = (l.metallic * metal + (1.0 - l.metallic) * f) * shine;
     if (inside) return value;
     float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - largest_channel(f));
-    value += m.reflectance * (diffuse * cos_i * INV_PI);
+    if (takes_lobes(m, false)) value += m.reflectance * (diffuse * cos_i * INV_PI);
     value *= under;
-    if (HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0) {
-        vec2 coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
+    vec2 coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
+    if (HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0 && takes_lobes(m, is_narrow(coat_alpha))) {
         float coat = layered_coat(l, cos_h) * under_sheen;
         value += coat * ggx_d(h, coat_alpha) * ggx_g2(wo, wi, coat_alpha, true) / (4.0 * abs(wo.z));
     }
-    if (HAS_LAYERED_SHEEN && l.sheen_colour != vec3(0.0)) {
+    if (HAS_LAYERED_SHEEN && l.sheen_colour != vec3(0.0) && takes_lobes(m, false)) {
         vec3 up_o = vec3(wo.xy, abs(wo.z)), up_i = vec3(wi.xy, abs(wi.z));
         value += l.sheen_colour * (charlie_sheen(up_o, up_i, charlie_alpha(l)) * cos_i);
     }
@@ -189,7 +189,8 @@ float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
     vec3 lobes = layered_lobes(m, l, wo);
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    float visible = lobes.z * ggx_visible_pdf(up, h, vec2(layered_alpha(m.alpha_u)));
+    vec2 alpha = vec2(layered_alpha(m.alpha_u)), coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
+    float visible = takes_lobes(m, is_narrow(alpha)) ? lobes.z * ggx_visible_pdf(up, h, alpha) : 0.0;
     float passage = layered_passage(l, layered_fresnel(m, l, !reflected && inside ? wi_h : wo_h, reflected && inside));
     if (!reflected) {
         if (!layered_refracts(l)) return passage * visible / (4.0 * abs(wo_h));
@@ -198,9 +199,10 @@ float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
         float denominator = (near * wo_h + far * wi_h) / far;
         return passage * visible * abs(wi_h) / (denominator * denominator);
     }
-    float pdf = lobes.x * abs(wi.z) * INV_PI + (1.0 - passage) * visible / (4.0 * abs(wo_h));
-    if (HAS_LAYERED_CLEARCOAT && lobes.y > 0.0)
-        pdf += lobes.y * ggx_visible_pdf(up, h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * abs(wo_h));
+    float pdf = (1.0 - passage) * visible / (4.0 * abs(wo_h));
+    if (takes_lobes(m, false)) pdf += lobes.x * abs(wi.z) * INV_PI;
+    if (HAS_LAYERED_CLEARCOAT && lobes.y > 0.0 && takes_lobes(m, is_narrow(coat_alpha)))
+        pdf += lobes.y * ggx_visible_pdf(up, h, coat_alpha) / (4.0 * abs(wo_h));
     return pdf;
 }
 
@@ -211,12 +213,13 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
     bool inside = wo.z < 0.0 && layered_refracts(l);
     vec3 wi;
     float eta = 1.0;
-    bool through = false;
+    bool through = false, narrow = false;
     if (u.z < lobes.x) {
         wi = side * sample_cosine_hemisphere(u.xy);
     } else {
         bool coat = HAS_LAYERED_CLEARCOAT && u.z < lobes.x + lobes.y;
         vec2 alpha = vec2(layered_alpha(coat ? l.clearcoat_roughness : m.alpha_u));
+        narrow = is_narrow(alpha);
         vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
         float cos_h = dot(wo, h);
         through = !coat && u.z >= 1.0 - lobes.z * layered_passage(l, layered_fresnel(m, l, cos_h, inside));
@@ -231,5 +234,5 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
         }
     }
     if ((wi.z * wo.z < 0.0) != through) return none;
-    return bsdf_open_sample(wi, eta);
+    return bsdf_open_sample(wi, eta, narrow);
 }

@@ -79,7 +79,7 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
     Microfacet facet = rough_dielectric_facet(m, wo, wi);
     if (!facet.valid) return vec3(0.0);
     vec2 alpha = principled_alpha(m, p);
-    float visible = ggx_d(facet.normal, alpha) * ggx_g2(wo, wi, alpha, false);
+    float visible = takes_lobes(m, is_narrow(alpha)) ? ggx_d(facet.normal, alpha) * ggx_g2(wo, wi, alpha, false) : 0.0;
     if (!facet.reflected) {
         float denominator = (facet.near * facet.wo_h + facet.far * facet.wi_h) / facet.near;
         return sqrt(m.reflectance) * (bsdf * facet.passed * visible * abs(facet.wo_h * facet.wi_h / (wo.z * denominator * denominator)));
@@ -88,12 +88,12 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
     vec3 value = principled_fresnel(m, p, facet.fresnel, cos_h, front, bsdf) * (visible / (4.0 * abs(wo.z)));
     if (!front) return value;
     float cos_i = wi.z;
-    if (p.clearcoat > 0.0) {
+    if (p.clearcoat > 0.0 && takes_lobes(m, is_narrow(vec2(principled_coat_alpha(p))))) {
         vec2 coat = vec2(0.25);
         float shine = gtr1_d(facet.normal, principled_coat_alpha(p)) * ggx_g1(wo, coat) * ggx_g1(wi, coat) * cos_i;
         value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), cos_h, m.eta) * shine;
     }
-    if (brdf > 0.0) {
+    if (brdf > 0.0 && takes_lobes(m, false)) {
         float fo = schlick_weight(wo.z), fi = schlick_weight(cos_i);
         float retro = 2.0 * m.alpha_u * cos_h * cos_h;
         float diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
@@ -117,14 +117,15 @@ float principled_pdf(Material m, Principled p, vec3 wo, vec3 wi) {
     if (!facet.valid) return 0.0;
     vec3 lobes = principled_lobes(p, front);
     float refraction = principled_refraction(p, front, facet.passed);
-    float visible = lobes.z * ggx_visible_pdf(front ? wo : -wo, facet.normal, principled_alpha(m, p));
+    vec2 alpha = principled_alpha(m, p);
+    float visible = takes_lobes(m, is_narrow(alpha)) ? lobes.z * ggx_visible_pdf(front ? wo : -wo, facet.normal, alpha) : 0.0;
     if (!facet.reflected) {
         float denominator = (facet.near * facet.wo_h + facet.far * facet.wi_h) / facet.far;
         return refraction * visible * abs(facet.wi_h) / (denominator * denominator);
     }
     float pdf = (1.0 - refraction) * visible / (4.0 * abs(facet.wo_h));
-    if (front) pdf += lobes.x * wi.z * INV_PI;
-    if (lobes.y > 0.0) pdf += lobes.y * gtr1_d(facet.normal, principled_coat_alpha(p)) * facet.normal.z / (4.0 * facet.wo_h);
+    if (front && takes_lobes(m, false)) pdf += lobes.x * wi.z * INV_PI;
+    if (lobes.y > 0.0 && takes_lobes(m, is_narrow(vec2(principled_coat_alpha(p))))) pdf += lobes.y * gtr1_d(facet.normal, principled_coat_alpha(p)) * facet.normal.z / (4.0 * facet.wo_h);
     return pdf;
 }
 
@@ -132,16 +133,19 @@ BsdfSample principled_sample(Material m, Principled p, vec3 wo, vec3 u) {
     BsdfSample none = bsdf_no_sample(wo);
     bool front = wo.z > 0.0;
     vec3 lobes = principled_lobes(p, front);
-    bool refracted = false;
+    bool refracted = false, narrow = false;
     float eta = front ? m.eta : 1.0 / m.eta;
     vec3 wi;
     if (u.z < lobes.x) {
         wi = sample_cosine_hemisphere(u.xy);
     } else if (u.z < lobes.x + lobes.y) {
+        narrow = is_narrow(vec2(principled_coat_alpha(p)));
         wi = reflect(-wo, gtr1_sample(principled_coat_alpha(p), u.xy));
     } else {
         float side = front ? 1.0 : -1.0;
-        vec3 h = ggx_sample_visible(side * wo, principled_alpha(m, p), u.xy) * side;
+        vec2 alpha = principled_alpha(m, p);
+        narrow = is_narrow(alpha);
+        vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
         float cos_h = dot(wo, h);
         float cos_t;
         float f = fresnel_dielectric(cos_h, eta, cos_t);
@@ -149,5 +153,5 @@ BsdfSample principled_sample(Material m, Principled p, vec3 wo, vec3 u) {
         wi = refracted ? -wo / eta + h * (cos_h / eta - cos_t) : reflect(-wo, h);
     }
     if ((wi.z * wo.z < 0.0) != refracted) return none;
-    return bsdf_open_sample(wi, refracted ? eta : 1.0);
+    return bsdf_open_sample(wi, refracted ? eta : 1.0, narrow);
 }

@@ -29,15 +29,15 @@ vec3 background_contribution(Path path) {
     return path.throughput * background_radiance(path.ray.direction);
 }
 
-// Follows the path to its next vertex, and counts in full the emission there, or the background where the path leaves the scene; false
-// where it does.
-bool arrive_at_emission(inout Path path, out Vertex v, out vec3 emission, inout Estimate e) {
+// Follows the path to its next vertex, and counts the emission there, or the background where the path leaves the scene, in which case it returns
+// false: in full, or weighted against next-event estimation.
+bool arrive_at_emission(inout Path path, bool surfaces_weighted, bool background_weighted, out Vertex v, out vec3 emission, inout Estimate e) {
     emission = vec3(0.0);
     if (!path_arrive(path, v, e.rays)) {
-        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, background_contribution(path));
+        if (HAS_BACKGROUND) contribute(e, path.depth + 1u, background_contribution(path) * (background_weighted ? background_weight(path) : 1.0));
         return false;
     }
     emission = vertex_emission(v, path.ray);
-    contribute(e, path.depth + 1u, path.throughput * emission);
+    if (emission != vec3(0.0)) contribute(e, path.depth + 1u, path.throughput * emission * (surfaces_weighted ? emission_weight(path, v) : 1.0));
     return true;
 }

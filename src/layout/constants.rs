@@ -45,6 +45,10 @@ shared_constants! {
     pub const MATERIAL_HAS_COLOURS = 32;
     /// Flag on [`Material::flags`](super::Material::flags): what a rough metal or rough glass loses to multiple scattering comes back.
     pub const MATERIAL_IS_COMPENSATED = 64;
+    /// Flag on [`Material::flags`](super::Material::flags) of a shader's own copy: narrow lobes take no part, see [`NARROW_ALPHA`](super::NARROW_ALPHA).
+    pub const WITHOUT_NARROW_LOBES = 128;
+    /// Flag on [`Material::flags`](super::Material::flags) of a shader's own copy: broad lobes take no part.
+    pub const WITHOUT_BROAD_LOBES = 256;
 
     /// Flag on [`Surface::flags`](super::Surface::flags): the other side emits the same.
     pub const SURFACE_EMITS_BEHIND = 1;

@@ -98,6 +98,10 @@ macro_rules! features {
             beckmann HAS_BECKMANN: bool "Beckmann microfacets",
                 of |_, census| census.flags & MICROFACET_BECKMANN != 0,
                 unspecialised |_| true;
+            /// Some lobe is as narrow as a mirror's, and is none.
+            narrow_lobes HAS_NARROW_LOBES: bool "narrow lobes",
+                of |scene, _| scene.has_narrow(),
+                unspecialised |_| true;
             /// Some material absorbs light inside.
             absorption HAS_ABSORPTION: bool "absorption",
                 of |_, census| census.flags & MATERIAL_HAS_ABSORPTION != 0,

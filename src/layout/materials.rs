@@ -112,6 +112,10 @@ materials! {
     MATERIAL_BLEND HAS_BLENDS, "blends";
 }
 
+/// A lobe of microfacets is narrow where the geometric mean of its two alphas is below this. The techniques that can only evaluate a lobe for directions that
+/// they are given (photons, virtual point lights, connections to the camera) take narrow ones for what they take mirrors for: `shaders/materials/lobes.glsl`.
+pub const NARROW_ALPHA: f32 = 0.03;
+
 /// How many kinds of material there are.
 pub const MATERIAL_KINDS: usize = MATERIALS.len();
 
@@ -175,6 +179,8 @@ pub fn materials_glsl() -> String {
             "ROUGHNESS_IS_PERCEPTUAL",
             Trait::PerceptualRoughness,
         ),
+        ("Whether b has a lobe whose width is its roughness.", "IS_ROUGH", Trait::Rough),
+        ("Whether b is a mixture of lobes, which leaves its samples open.", "IS_MIXTURE", Trait::OpenSamples),
         ("Whether u.z decides between two lobes of b, a delta among them.", "HAS_TWO_LOBES", Trait::TwoLobes),
     ] {
         text += &format!("\n// {about}\n#define {name}(b) ({})\n", either(with(wanted).map(is).collect()));

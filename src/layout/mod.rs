@@ -79,6 +79,7 @@ pub fn glsl(of_techniques: &[&'static SharedStruct]) -> String {
         let kinds: Vec<&str> = kinds;
         kinds.iter().enumerate().for_each(|(value, name)| text += &format!("const uint {name} = {value}u;\n"));
     }
+    text += &format!("const float NARROW_ALPHA = {NARROW_ALPHA:?};\n");
     for shared in structs().chain(of_techniques.iter().copied()) {
         text += &format!("const uint {}_BYTES = {}u;\n", upper_case(shared.name), shared.size);
     }

@@ -13,6 +13,7 @@ mod medium;
 pub mod needs;
 mod objects;
 mod power;
+mod smoothness;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -33,14 +34,9 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIALS, Material,
-    MaterialKind, NONE, Primitive, SURFACE_MASK, Trait, scene_arrays,
+    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, NONE, Primitive, SURFACE_MASK, scene_arrays,
 };
 
-/// Roughness (alpha) below which a surface is nearly smooth.
-const NEAR_SMOOTH: f32 = 0.05;
-/// Roughness (alpha) below which its lobe is narrow.
-const GLOSSY: f32 = 0.2;
 /// A lamp is small where its area, beside the square of the scene's radius, is below this.
 const SMALL: f32 = 0.2;
 
@@ -204,47 +200,6 @@ impl Scene {
         self.lights.iter().for_each(|light| *lamps.entry(light.source).or_default() += area(light));
         let limit = SMALL * self.core().1.powi(2);
         self.has_delta_lights() || self.environment.is_some() || lamps.values().any(|lit| *lit < limit)
-    }
-
-    /// Whether some material is a mirror or smooth glass, or is coated so.
-    pub fn has_smooth(&self) -> bool {
-        let is_smooth = |kind: &MaterialKind| kind.has(Trait::AllDelta) || kind.has(Trait::SomeDelta);
-        self.materials.iter().any(|material| is_smooth(&MATERIALS[material.kind as usize]))
-    }
-
-    /// Whether some material reflects or refracts nearly like a mirror or smooth glass, somewhere: light that it throws elsewhere is found by a
-    /// path from there only by chance.
-    pub fn has_specular(&self) -> bool {
-        self.has_smooth() || self.has_rough_below(NEAR_SMOOTH)
-    }
-
-    /// Whether some material has a narrow lobe that is no mirror's: what it shows of caustics is found only by chance by who gathers photons
-    /// around points.
-    pub fn has_glossy(&self) -> bool {
-        self.has_rough_below(GLOSSY)
-    }
-
-    /// Whether some material is rough, and somewhere less so than this alpha.
-    fn has_rough_below(&self, limit: f32) -> bool {
-        let is_below = |material: &Material| {
-            let kind = &MATERIALS[material.kind as usize];
-            let textures = self.material_textures.get(material.textures as usize);
-            let textured = textures.is_some_and(|own| own.roughness != NONE);
-            let least = material.alpha_u.min(material.alpha_v);
-            let alpha = if kind.has(Trait::PerceptualRoughness) { least * least } else { least };
-            kind.has(Trait::Rough) && (textured || alpha < limit || self.has_clear_coat(material))
-        };
-        self.materials.iter().any(is_below)
-    }
-
-    /// Whether a material has a clear coat, which is there to be smooth.
-    fn has_clear_coat(&self, material: &Material) -> bool {
-        let detail = material.detail as usize;
-        match material.kind {
-            MATERIAL_PRINCIPLED => self.principleds.get(detail).is_some_and(|own| own.clearcoat > 0.0),
-            MATERIAL_LAYERED => self.layereds.get(detail).is_some_and(|own| own.clearcoat > 0.0),
-            _ => false, // the parameters of the others have none
-        }
     }
 
     /// Radius of a sphere around everything that is placed; 1 where that is a point or nothing.

@@ -66,7 +66,7 @@ impl Solves {
     pub fn what(self) -> &'static str {
         match self {
             Self::Direct => "emission and direct light",
-            Self::Mirrored => "emission and direct light, also as mirrors and smooth glass show them",
+            Self::Mirrored => "emission and direct light, also as mirrors, smooth glass and what is as smooth show them",
             Self::Diffuse => "full light transport, all surfaces taken for diffuse",
             Self::Everything => "full light transport",
         }
@@ -95,7 +95,7 @@ pub enum Missing {
     /// Caustics of delta lights that the camera sees by way of mirrors and smooth glass in turn (SDS paths).
     HiddenDeltaCaustics,
     /// Light that no vertex of a light subpath can be connected to the camera for: the background as the camera sees it, and all that
-    /// the camera sees by way of mirrors and smooth glass.
+    /// the camera sees by way of mirrors, smooth glass and what is as smooth (`NARROW_ALPHA`).
     NotConnectableToCamera,
 }
 
@@ -109,7 +109,7 @@ impl Missing {
                 "caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors and smooth glass"
             }
             Self::NotConnectableToCamera => {
-                "the background as the camera sees it, and whatever it sees by way of mirrors and smooth glass"
+                "the background as the camera sees it, and whatever it sees by way of mirrors, smooth glass and what is as smooth"
             }
         }
     }

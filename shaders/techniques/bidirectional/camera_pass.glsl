@@ -129,11 +129,11 @@ bool follow(Pixel pixel, inout Path path, inout SubpathMis m, inout Estimate e) 
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
         if (CONNECTS) add_connections(pixel, path, v, b, m, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
-        if (MERGES && both_sides) add_merges(path, v, b, m, e);
+        if (MERGES && both_sides && bsdf_has_broad(b)) add_merges(path, v, broad_lobes(b), m, e);
     }
 
     BsdfSample s = mis_sample(m, v, b, path.ray, bsdf_u.xyz);
-    if (MERGES_FIRST && !s.delta) return false; // lobes that are not delta have been merged
+    if (MERGES_FIRST && !s.narrow) return false; // broad lobes have been merged
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }

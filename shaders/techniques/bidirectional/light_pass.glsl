@@ -63,7 +63,7 @@ bool follow(inout Lane lane, inout CameraConnection connection) {
 
     vec4 u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(b)) {
+    if (bsdf_has_broad(b)) {
         // A connection adds a segment and one of the camera, a merge the camera's alone.
         if (MERGES || length < longest()) {
             kept.d_vcm = lane.mis.d_vcm;

@@ -12,7 +12,7 @@
 //     CONNECTS       those that join two vertices by a segment, next-event estimation and light tracing among them
 //     MEETS_LENS     light subpaths that run into a lens (t = 0)
 //     MERGES         merges within the merge radius
-//     MERGES_FIRST   of these only the one at the camera's first vertex that is not a mirror or smooth glass
+//     MERGES_FIRST   of these only the one at the camera's first vertex that has broad lobes
 #if defined(STRATEGIES_OF_BDPT)
 const bool CONNECTS = true, MEETS_LENS = true, MERGES = false, MERGES_FIRST = false;
 #elif defined(STRATEGIES_OF_MULTIPLEXED)
@@ -21,7 +21,7 @@ const uint WEIGHTS_POWER = 0u, WEIGHTS_BALANCE = 1u, WEIGHTS_NONE = 2u;
 #define WEIGHTS WEIGHTS_BALANCE // as Hachisuka et al. 2014 have it: no parameter of `mlt`
 #elif defined(STRATEGIES_OF_VCM)
 // bpm, bidirectional photon mapping: merges anywhere, and running into lights. ppm, progressive photon mapping: a merge at the camera's
-// first vertex that is not a mirror or smooth glass. bpt, bidirectional path tracing: no merges.
+// first vertex that has broad lobes. bpt, bidirectional path tracing: no merges.
 const bool CONNECTS = FORM == FORM_VCM || FORM == FORM_BPT, MEETS_LENS = true;
 const bool MERGES = FORM != FORM_BPT, MERGES_FIRST = FORM == FORM_PPM;
 #else
@@ -114,6 +114,7 @@ void mis_scatter(inout SubpathMis m, float cosine, float pdf_w, float reverse_pd
 // Chooses the direction in which the subpath goes on, and takes that step in its quantities.
 BsdfSample mis_sample(inout SubpathMis m, Vertex v, Bsdf b, Ray ray, vec3 u) {
     BsdfSample s = bsdf_choose(b, v.wo, u);
+    b = sampled_lobes(b, s);
     vec2 pdf_w = HAS_OPEN_SAMPLES ? bsdf_pdf_both(b, v.wo, s.wi) : vec2(0.0, bsdf_pdf(b, s.wi, v.wo));
     bsdf_close(b, v.wo, pdf_w.x, s);
     vertex_check(v, ray, s);
@@ -121,7 +122,7 @@ BsdfSample mis_sample(inout SubpathMis m, Vertex v, Bsdf b, Ray ray, vec3 u) {
     // Refraction takes a solid angle dw_o to dw_i = dw_o |cos_o| / (eta^2 |cos_i|) (Veach 1997, section 5.2): turned round, its delta lobe has the
     // density times that ratio.
     float reverse_pdf_w = s.delta ? s.pdf_w * abs(v.wo.z / s.wi.z) / (s.eta * s.eta) : pdf_w.y;
-    mis_scatter(m, cosine, s.pdf_w, reverse_pdf_w, s.delta, vertex_opacity(v));
+    mis_scatter(m, cosine, s.pdf_w, reverse_pdf_w, s.delta || SPLITS && s.narrow, vertex_opacity(v));
     return s;
 }
 

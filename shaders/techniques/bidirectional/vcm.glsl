@@ -7,7 +7,9 @@
 // up what core/grid.glsl finds of them (transport/density_sums.glsl).
 #version 460
 #include "core/prelude.glsl"
+#include "generated/parameters.glsl"
 #define STRATEGIES_OF_VCM
+#define SPLITS_LOBES (FORM == FORM_PPM)
 
 #if defined(PASS_LIGHT)
 #include "trace/trace.glsl"

@@ -1,7 +1,9 @@
 // `light`: light tracing. Subpaths from the lights; each of their vertices is connected to the camera (Arvo 1986; Dutre, Lafortune and
-// Willems 1993). What reaches the camera by way of a mirror or glass has no vertex that a camera without extent could see: it is missing.
+// Willems 1993). What reaches the camera by way of a mirror or glass has no vertex that a camera without extent could see, and what is as smooth as
+// these has next to none (materials/lobes.glsl): it is missing.
 #version 460
 #include "core/prelude.glsl"
+#define SPLITS_LOBES true
 
 #ifdef PASS_RESOLVE
 #include "core/resolve.glsl"
@@ -33,7 +35,7 @@ bool follow(inout Path path, vec3 power, inout CameraConnection connection, inou
     Bsdf b = vertex_material(v, path.ray, path.random);
     vec4 u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(b)) connection = camera_connect_vertex(path, power, v, b, u);
+    if (bsdf_has_broad(b)) connection = camera_connect_vertex(path, power, v, broad_lobes(b), u);
     if (path.depth + 2u >= MAX_DEPTH) return false; // with the segment to the camera
     path_scatter(path, v, b, light_vertex_sample(v, b, path.ray, bsdf_u.xyz));
     return path_survives(path, 1.0, bsdf_u.w);

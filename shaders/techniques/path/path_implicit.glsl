@@ -16,7 +16,7 @@ bool implicit_extend(inout Path path, inout Estimate e) {
     // 1. Emission that the path has run into, all of which counts.
     Vertex v;
     vec3 emission;
-    if (!arrive_at_emission(path, v, emission, e)) return false;
+    if (!arrive_at_emission(path, false, false, v, emission, e)) return false;
     if (v.material == NONE) return false;
     if (FORM == FORM_BIASED) {
         if (emission != vec3(0.0) || path.depth + 1u >= min(MAX_DEPTH, FIXED_LENGTH)) return false;

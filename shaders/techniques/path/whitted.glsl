@@ -1,14 +1,15 @@
 // `whitted`: recursive ray tracing (Whitted 1980, "An improved illumination model for shaded display"). Light that came straight from a
-// light and was scattered once, as the camera sees it by way of any number of mirrors and smooth glass. Where glass or a coating both
-// reflects and refracts, the path branches; nothing else scatters further.
+// light and was scattered once, as the camera sees it by way of any number of mirrors and smooth glass, and of what is as smooth as these
+// (materials/lobes.glsl). Where glass or a coating both reflects and refracts, the path branches; nothing else scatters further.
 //
 // branches=one follows one of the two by chance instead: the same image in the mean, by single paths.
 // lights=point takes the middle of each triangle or sphere for all of it, as the first ray tracers did: shadows are sharp.
 #version 460
 #include "core/prelude.glsl"
+#define SPLITS_LOBES true
 #include "trace/trace.glsl"
 #include "transport/emission.glsl"
-#include "transport/nee.glsl"
+#include "transport/split.glsl"
 #include "transport/camera_lanes.glsl"
 #include "lights/middle.glsl"
 #include "generated/parameters.glsl"
@@ -51,21 +52,24 @@ void lobes(Path path, Vertex v, Bsdf b, vec2 u, out BsdfSample first, out BsdfSa
 }
 
 bool goes_on(inout Path path, Vertex v, Bsdf b, BsdfSample s, float u) {
-    if (!s.delta) return false;
+    if (!s.narrow) return false;
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, u);
 }
 
-// Light that is scattered by the vertex once: the mean over so many shadow rays.
+// Light that is scattered by the vertex once: the mean over so many shadow rays. The middle of a light stands for it on broad lobes alone: narrow ones
+// show all of it where the path runs into it, as mirrors do.
 void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
     for (uint i = 0u; i < shadow_rays(); i++) {
         vec4 u = next4(path.random);
         LightSample light = no_light();
-        if (LIGHTS == LIGHTS_POINT) light = light_middle_sample(vertex_reference(v, b), u);
+        bool middle = false;
+        if (LIGHTS == LIGHTS_POINT) light = light_middle_sample(vertex_reference(v, b), u, middle);
         else light = light_sample(vertex_reference(v, b), u);
         BsdfSample none = bsdf_no_sample(vec3(0.0, 0.0, 1.0));
-        NextEvent n = nee_connect(path, v, b, light, none);
-        contribute(e, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput, 1.0 / float(shadow_rays()), e.rays));
+        SplitEvent n = split_connect(path, v, b, light, true, none);
+        float share = 1.0 / float(shadow_rays());
+        contribute(e, path.depth + 2u, split_contribution(path, v, b, n, share, middle ? 0.0 : share * nee_weight(n.narrow), e.rays));
     }
 }
 
@@ -73,7 +77,7 @@ void connect_lights(inout Path path, Vertex v, Bsdf b, inout Estimate e) {
 bool branch_extend(inout Path path, inout Estimate e) {
     Vertex v;
     vec3 emission;
-    if (!arrive_at_emission(path, v, emission, e)) return false;
+    if (!arrive_at_emission(path, SPLITS && LIGHTS != LIGHTS_POINT, SPLITS, v, emission, e)) return false;
     if (path.depth + 1u >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
     if (!bsdf_is_delta(b)) connect_lights(path, v, b, e);

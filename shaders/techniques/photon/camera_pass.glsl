@@ -1,10 +1,11 @@
-// The pass `camera` of photon mapping: goes through delta lobes only, and at each vertex estimates the density of photons for all other lobes.
+// The pass `camera` of photon mapping: follows narrow lobes only, deltas among them, and at each vertex estimates the density of photons for all
+// other lobes.
 #include "techniques/photon/photons.glsl"
 #include "transport/camera_lanes.glsl"
 #include "transport/density_sums.glsl"
 #include "transport/emission.glsl"
 #include "transport/light_subpath.glsl"
-#include "transport/nee.glsl"
+#include "transport/split.glsl"
 #include "core/grid.glsl"
 
 // Radiance of the photons around a vertex: the density estimate with a constant kernel (Jensen 1996).
@@ -29,27 +30,28 @@ void add_photons(Path path, Vertex v, Bsdf b, inout Estimate e) {
 }
 
 bool follow(inout Path path, inout Estimate e) {
-    // 1. Emission: all vertices before were delta, so that nothing else finds it.
+    // 1. Emission: next-event estimation finds it as well at the vertex before, if that lobe was no delta.
     Vertex v;
+    const bool weighted = SPLITS && DIRECT == DIRECT_NEE;
     vec3 emission;
     uint length = path.depth + 1u;
-    if (!arrive_at_emission(path, v, emission, e)) return false;
+    if (!arrive_at_emission(path, weighted, weighted, v, emission, e)) return false;
     if (length >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
 
-    // 2. Lobes that are not delta: next-event estimation, and photons.
+    // 2. Next-event estimation, and photons for broad lobes.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
-    if (DIRECT == DIRECT_NEE) {
-        NextEvent n = nee_sample(path, v, b, light_u, s);
-        contribute(e, length + 1u, nee_contribution(path, v, b, n, path.throughput, 1.0, e.rays));
-    }
-    if (!bsdf_is_delta(b)) add_photons(path, v, b, e);
+    bool connects = DIRECT == DIRECT_NEE && !bsdf_is_delta(b);
+    LightSample light = no_light();
+    if (connects) light = light_sample(vertex_reference(v, b), light_u);
+    SplitEvent n = split_connect(path, v, b, light, connects, s);
+    if (connects) contribute(e, length + 1u, split_contribution(path, v, b, n, 1.0, nee_weight(n.narrow), e.rays));
+    if (bsdf_has_broad(b)) add_photons(path, v, broad_lobes(b), e);
 
-    // 3. Delta lobes.
-    vertex_check(v, path.ray, s);
-    if (!s.delta) return false;
+    // 3. Narrow lobes.
+    if (!s.narrow) return false;
     path_scatter(path, v, b, s);
     return path_survives(path, path.eta * path.eta, bsdf_u.w);
 }

@@ -25,7 +25,7 @@ bool follow(PhotonPath kept, vec3 power, inout Path path, inout uint met, inout 
     Bsdf b = vertex_material(v, path.ray, path.random);
     uint segments = path.depth + 1u;
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(b) && (DIRECT == DIRECT_PHOTONS || segments > 1u)) {
+    if (bsdf_has_broad(b) && (DIRECT == DIRECT_PHOTONS || segments > 1u)) {
         // A mask thins out photons and the paths that gather them: once is what it should be.
         vec3 arrived = power * path.throughput / vertex_opacity(v);
         uint place = keep_place(met, path.random);

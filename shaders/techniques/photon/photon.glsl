@@ -2,12 +2,13 @@
 // image is a photon map of its own, with a smaller radius than the one before, and the image is their mean. Biased at any number of
 // samples, but the bias vanishes as that grows.
 //
-// The pass `light` follows paths from the lights and keeps photons where they meet what is not a mirror or smooth glass; the passes
-// `grid-...` sort them; the pass `camera` goes through delta lobes only, and at each vertex gathers photons for all other lobes.
+// The pass `light` follows paths from the lights and keeps photons where they meet what is not as smooth as a mirror; the passes
+// `grid-...` sort them; the pass `camera` follows narrow lobes only, deltas among them, and at each vertex gathers photons for all other lobes.
 //
 // To be read in this order: light_pass.glsl, camera_pass.glsl, photons.glsl.
 #version 460
 #include "core/prelude.glsl"
+#define SPLITS_LOBES true
 
 #if defined(PASS_LIGHT)
 #include "trace/trace.glsl"

@@ -1,19 +1,21 @@
 // The pass `camera` of instant radiosity: follows paths from the camera and gathers at their vertices.
 //
-// At a vertex x the virtual point lights account for the share min(1, c / G) of the light that the next vertex y scatters by lobes that are
-// not delta, where G is the geometry term between x and y and c its bound. A path that goes on from x to y accounts for the rest of it,
-// 1 - min(1, c / G), and for all that y scatters by delta lobes, where there are no virtual point lights.
+// At a vertex x the virtual point lights account for the share min(1, c / G) of the light that the broad lobes of x take from those of the next
+// vertex y, where G is the geometry term between x and y and c its bound. A path that goes on from x to y by a broad lobe accounts for the rest of it,
+// 1 - min(1, c / G), and for all that y scatters by narrow lobes, deltas among them, which are no virtual point lights; one that goes on by a
+// narrow lobe of x accounts for all that y scatters.
 #include "transport/camera_lanes.glsl"
 #include "transport/emission.glsl"
 #include "transport/light_vertices.glsl"
-#include "transport/nee.glsl"
+#include "transport/split.glsl"
 #include "generated/parameters.glsl"
 
 const bool COMPENSATES = COMPENSATE == COMPENSATE_YES;
 
 struct Lane {
     CameraLane camera;
-    vec3 from; // position of the last vertex that scattered
+    vec3 from;     // position of the last vertex that scattered
+    bool followed; // it did so by a narrow lobe, or is the camera
 };
 
 bool open(out Lane lane) { return camera_open(lane.camera); }
@@ -21,6 +23,7 @@ bool has_next(Lane lane) { return camera_has_next(lane.camera); }
 
 bool begin(inout Lane lane) {
     lane.from = vec3(0.0);
+    lane.followed = true;
     return camera_begin(lane.camera);
 }
 
@@ -42,8 +45,8 @@ vec3 virtual_light(Path path, Vertex v, Bsdf b, LightVertex y, Sampler random, i
     if (distance2 == 0.0) return vec3(0.0);
     vec3 towards = d * inversesqrt(distance2);
     vec3 local = vertex_to_local(v, towards);
-    vec3 contribution = path.throughput * y.power * vertex_eval(v, b, path.ray, local, towards) *
-                        light_vertex_eval(w, far, light_vertex_ray(y), vertex_to_local(w, -towards), -towards) / distance2;
+    vec3 contribution = path.throughput * y.power * vertex_eval(v, broad_lobes(b), path.ray, local, towards) *
+                        light_vertex_eval(w, broad_lobes(far), light_vertex_ray(y), vertex_to_local(w, -towards), -towards) / distance2;
     contribution *= clamped_share(vertex_reference(v, b).normal, w.at.normal, d);
     if (contribution == vec3(0.0)) return contribution;
     Ray ray = vertex_ray_between(v, towards, w);
@@ -83,23 +86,27 @@ bool extend(inout Lane lane) {
     Bsdf b = vertex_material(v, path.ray, path.random);
 
     // 2. What the virtual point lights have left to this vertex: direct light, and virtual point lights in turn.
-    float share = path.delta ? 1.0 : 1.0 - clamped_share(path.from.normal, v.at.normal, v.at.position - lane.from);
+    float share = lane.followed ? 1.0 : 1.0 - clamped_share(path.from.normal, v.at.normal, v.at.position - lane.from);
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
-    NextEvent n = nee_sample(path, v, b, light_u, s);
-    float weight = COMPENSATES ? nee_weight(n) : 1.0; // without compensation no path goes on to run into lights
-    contribute(lane.camera.e, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput * share, weight, lane.camera.e.rays));
-    if (share > 0.0 && !bsdf_is_delta(b)) add_virtual_lights(path, v, b, lane.camera.pixel.sample_index, share, lane.camera.e);
+    bool connects = !bsdf_is_delta(b);
+    LightSample light = no_light();
+    if (connects) light = light_sample(vertex_reference(v, b), light_u);
+    SplitEvent n = split_connect(path, v, b, light, connects, s);
+    float weight = COMPENSATES ? nee_weight(n.broad) : 1.0; // without compensation no broad lobe is followed into lights
+    contribute(lane.camera.e, path.depth + 2u, split_contribution(path, v, b, n, share * weight, nee_weight(n.narrow), lane.camera.e.rays));
+    if (share > 0.0 && bsdf_has_broad(b)) add_virtual_lights(path, v, b, lane.camera.pixel.sample_index, share, lane.camera.e);
 
     // 3. Scatter.
-    if (!s.delta) {
+    if (!s.narrow) {
         if (!COMPENSATES) return false;
         s.weight *= share;
     }
     path_scatter(path, v, b, s);
     bool alive = path_survives(path, path.eta * path.eta, bsdf_u.w);
     lane.from = v.at.position;
+    lane.followed = s.narrow;
     lane.camera.path = path;
     return alive;
 }

@@ -34,7 +34,7 @@ bool extend(inout Lane lane) {
                                 lane.light.emitted.power * path.throughput, 0.0, 0.0, path.random.dimension, path.depth + 1u, path.absorption);
     Bsdf b = vertex_material(v, path.ray, path.random);
     vec4 bsdf_u = next4(path.random);
-    if (!bsdf_is_delta(b)) {
+    if (bsdf_has_broad(b)) {
         uint place = keep_place(lane.met, path.random);
         if (place != NONE) lane.kept.at[place] = y;
         lane.met += 1u;

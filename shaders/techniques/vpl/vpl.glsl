@@ -9,6 +9,7 @@
 // The pass `lights` makes the virtual point lights of a sample, the pass `camera` gathers: light_pass.glsl, camera_pass.glsl.
 #version 460
 #include "core/prelude.glsl"
+#define SPLITS_LOBES true
 #include "trace/trace.glsl"
 
 #ifdef PASS_LIGHTS
