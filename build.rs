@@ -216,6 +216,7 @@ fn run() -> Result<(), String> {
     write_if_changed(&generated.join("layout.glsl"), layout::glsl(&of_techniques).as_bytes())?;
     write_if_changed(&generated.join("inline.glsl"), layout::inline_glsl().as_bytes())?;
     write_if_changed(&generated.join("materials.glsl"), layout::materials_glsl().as_bytes())?;
+    write_if_changed(&generated.join("properties.glsl"), layout::properties_glsl().as_bytes())?;
     write_if_changed(&generated.join("lights.glsl"), layout::lights_glsl().as_bytes())?;
 
     watch(Path::new("shaders"));

@@ -7,6 +7,10 @@ use crate::common::gltf::{
     sun, textured, with,
 };
 use crate::common::{assert_mean, backends, render, settings, tile_average, with_gpu};
+use lumbre::layout::{
+    PROPERTY_CLEARCOAT, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_METALLIC, PROPERTY_ROUGHNESS, PROPERTY_SPECULAR,
+    PROPERTY_TRANSMISSION,
+};
 use lumbre::render::film::Film;
 use lumbre::scene::Scene;
 use lumbre::statistics::Estimate;
@@ -582,13 +586,16 @@ fn layers_reach_the_material() {
     assert_eq!(scene.surfaces[0].emission, [10.0, 20.0, 30.0]);
     assert_eq!((scene.surfaces[0].front, scene.surfaces[0].back), (0, 0));
     let textures = scene.material_textures[0];
-    let channel = |texture: u32| scene.textures[texture as usize].channel;
-    assert_eq!((channel(textures.roughness), channel(textures.metallic)), (1, 2));
-    assert_eq!((channel(layers.specular_texture), channel(layers.transmission_texture)), (3, 0));
-    assert_eq!(channel(layers.clearcoat_roughness_texture), 1);
+    let channel = |property: u32| {
+        let own = scene.textures_of(&record).iter().find(|own| own.property == property);
+        own.map(|own| scene.textures[own.texture as usize].channel)
+    };
+    assert_eq!((channel(PROPERTY_ROUGHNESS), channel(PROPERTY_METALLIC)), (Some(1), Some(2)));
+    assert_eq!((channel(PROPERTY_SPECULAR), channel(PROPERTY_TRANSMISSION)), (Some(3), Some(0)));
+    assert_eq!(channel(PROPERTY_CLEARCOAT_ROUGHNESS), Some(1));
     assert_eq!(textures.normal_scale, 0.5);
     assert_eq!(scene.textures[textures.normal as usize].row_u, [2.0, 0.0, 0.0]);
-    assert_eq!(layers.clearcoat_texture, lumbre::layout::NONE, "another set of coordinates");
+    assert_eq!(channel(PROPERTY_CLEARCOAT), None, "another set of coordinates");
     assert_eq!(scene.images.len(), 2, "one image as colours, one as numbers");
     for expected in ["'KHR_materials_iridescence' is not read", "clearcoatTexture uses TEXCOORD_1"] {
         assert!(scene.warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {:?}", scene.warnings);

@@ -29,7 +29,7 @@ MissingRow missing_row(Material m, Compensation c, vec3 w) {
     uint first = c.table + (is_glass(m) && w.z < 0.0 ? line : 0u);
     if (c.rows == 1u) return MissingRow(first, 0u, 0.0);
     float across2 = w.y * w.y, along2 = w.x * w.x;
-    float at = c.alpha > 0.0 ? sqrt(m.alpha_u / c.alpha) : across2 / max(across2 + along2, 1e-30);
+    float at = c.alpha > 0.0 ? sqrt(sqrt(m.alpha_u * m.alpha_v) / c.alpha) : across2 / max(across2 + along2, 1e-30);
     at = clamp(at, 0.0, 1.0) * float(c.rows - 1u);
     uint row = min(uint(at), c.rows - 2u);
     return MissingRow(first + row * sides * line, sides * line, at - float(row));

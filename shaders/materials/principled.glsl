@@ -71,6 +71,25 @@ float principled_refraction(Principled p, bool front, float passed) {
     return (front ? (1.0 - p.metallic) * p.spec_trans : 1.0) * passed;
 }
 
+// The diffuse lobe, with its retro-reflection, over that of a Lambertian surface.
+float principled_diffuse(Material m, Principled p, float cos_o, float cos_i, float cos_h) {
+    float fo = schlick_weight(cos_o), fi = schlick_weight(cos_i);
+    float retro = 2.0 * m.alpha_u * cos_h * cos_h;
+    float diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
+    if (p.flatness > 0.0) {
+        float ss90 = 0.5 * retro;
+        float ss = mix(1.0, ss90, fo) * mix(1.0, ss90, fi);
+        diffuse = mix(diffuse, 1.25 * (ss * (1.0 / (cos_o + cos_i) - 0.5) + 0.5), p.flatness);
+    }
+    return diffuse;
+}
+
+// f of the sheen.
+vec3 principled_sheen(Material m, Principled p, float cos_h) {
+    vec3 tint = p.sheen_tint > 0.0 ? mix(vec3(1.0), principled_tint(m), p.sheen_tint) : vec3(1.0);
+    return tint * (p.sheen * schlick_weight(cos_h));
+}
+
 vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec3(0.0);
     float brdf = (1.0 - p.metallic) * (1.0 - p.spec_trans);
@@ -94,18 +113,9 @@ vec3 principled_eval(Material m, Principled p, vec3 wo, vec3 wi) {
         value += 0.25 * p.clearcoat * schlick_fresnel(vec3(0.04), cos_h, m.eta) * shine;
     }
     if (brdf > 0.0 && takes_lobes(m, false)) {
-        float fo = schlick_weight(wo.z), fi = schlick_weight(cos_i);
-        float retro = 2.0 * m.alpha_u * cos_h * cos_h;
-        float diffuse = (1.0 - 0.5 * fo) * (1.0 - 0.5 * fi) + retro * (fo + fi + fo * fi * (retro - 1.0));
-        if (p.flatness > 0.0) {
-            float ss90 = 0.5 * retro;
-            float ss = mix(1.0, ss90, fo) * mix(1.0, ss90, fi);
-            diffuse = mix(diffuse, 1.25 * (ss * (1.0 / (wo.z + cos_i) - 0.5) + 0.5), p.flatness);
-        }
-        value += m.reflectance * (brdf * diffuse * cos_i * INV_PI);
+        value += m.reflectance * (brdf * principled_diffuse(m, p, wo.z, cos_i, cos_h) * cos_i * INV_PI);
         // Sheen goes with the diffuse lobe: without one, there is none.
-        vec3 tint = p.sheen_tint > 0.0 ? mix(vec3(1.0), principled_tint(m), p.sheen_tint) : vec3(1.0);
-        value += tint * (p.sheen * (1.0 - p.metallic) * schlick_weight(cos_h) * cos_i);
+        value += principled_sheen(m, p, cos_h) * ((1.0 - p.metallic) * cos_i);
     }
     return value;
 }

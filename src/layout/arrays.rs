@@ -30,6 +30,8 @@ macro_rules! scene_arrays {
                 materials: Material in Materials, "materials";
                 /// The textures of the materials.
                 material_textures: MaterialTextures in TextureSets, "material textures";
+                /// Which texture multiplies which property, material by material.
+                property_textures: PropertyTexture in PropertyTextures, "textured properties";
                 /// The two materials of each blend.
                 blends: Blend in Blends, "blends";
                 /// Parameters of plastics that [`Material`] has no room for.

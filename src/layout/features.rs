@@ -50,6 +50,10 @@ macro_rules! features {
             material_textures HAS_MATERIAL_TEXTURES: bool "textured materials",
                 of |_, census| census.textured,
                 unspecialised |_| true;
+            /// The properties of materials that are textured: bit `PROPERTY_*`.
+            textured_properties TEXTURED_PROPERTIES: uint,
+                of |_, census| census.textured_properties,
+                unspecialised |_| u32::MAX;
             /// Some material has a map of normals.
             normal_maps HAS_NORMAL_MAPS: bool "normal maps",
                 of |_, census| census.normal_maps,

@@ -105,6 +105,9 @@ materials! {
     /// Burley's principled BSDF.
     MATERIAL_PRINCIPLED HAS_PRINCIPLED, "principled" = principled(Principled principled)
         [Rough, PerceptualRoughness, OpenSamples, LongToCompile];
+    /// Burley's principled BSDF of a thin sheet.
+    MATERIAL_PRINCIPLED_THIN HAS_PRINCIPLED_THIN, "principled (thin)" = principled_thin(Principled principled)
+        [Rough, PerceptualRoughness, OpenSamples, LongToCompile];
     /// The layered material of glTF.
     MATERIAL_LAYERED HAS_LAYERED, "layered (glTF)" = layered(Layered layered)
         [Rough, PerceptualRoughness, OpenSamples, LongToCompile];

@@ -84,21 +84,25 @@ shared_structs! {
         conductor_k: vec3,
     }
 
-    /// The textures of a material. Each multiplies (colours, weights) or replaces (roughness) what the material says.
+    /// A texture that multiplies a property of a material.
+    pub struct PropertyTexture {
+        /// One of the `PROPERTY_*` constants.
+        property: uint,
+        /// Index of the texture.
+        texture: uint,
+    }
+
+    /// The textures of a material.
     pub struct MaterialTextures {
-        /// Of the reflectance or base colour, or [`NONE`].
-        reflectance: uint,
-        /// Of the transmittance, or of a plastic's specular reflectance.
-        transmittance: uint,
-        /// Of the roughness along both tangents: alpha, or perceptual roughness of principled and layered materials.
-        roughness: uint,
-        /// Of the metalness.
-        metallic: uint,
-        /// Tangent-space normals.
+        /// The first of its [`PropertyTexture`]s.
+        first: uint,
+        /// How many it has.
+        count: uint,
+        /// Tangent-space normals, or [`NONE`].
         normal: uint,
         /// Factor on the first two components of those normals.
         normal_scale: float,
-        /// Height that displaces the surface (bump map).
+        /// Height that displaces the surface (bump map), or [`NONE`].
         bump: uint,
         /// Factor on that height, in scene units.
         bump_scale: float,
@@ -139,7 +143,7 @@ shared_structs! {
         table: uint,
         /// Rows; more than one where roughness is textured or anisotropic.
         rows: uint,
-        /// Textured roughness: alpha along the first tangent in the last row. 0: rows differ by azimuth.
+        /// Textured roughness: geometric mean of both alphas in the last row. 0: rows differ by azimuth.
         alpha: float,
     }
 
@@ -163,6 +167,8 @@ shared_structs! {
         clearcoat: float,
         /// Its glossiness.
         clearcoat_gloss: float,
+        /// Of a thin sheet: twice the share of its diffuse light that passes through, 0 to 2.
+        diff_trans: float,
     }
 
     /// Parameters of the layered material of glTF 2.0 (metallic-roughness and its extensions).
@@ -187,20 +193,6 @@ shared_structs! {
         absorption: vec3,
         /// 1: refracts as the boundary of a volume; 0: light passes straight through a thin wall.
         is_volume: uint,
-        /// Texture whose alpha multiplies `specular`, or [`NONE`].
-        specular_texture: uint,
-        /// Texture of the specular colour.
-        specular_colour_texture: uint,
-        /// Texture whose red multiplies the transmission.
-        transmission_texture: uint,
-        /// Texture whose red multiplies the clear coat.
-        clearcoat_texture: uint,
-        /// Texture whose green multiplies the clear coat's roughness.
-        clearcoat_roughness_texture: uint,
-        /// Texture of the sheen's colour.
-        sheen_colour_texture: uint,
-        /// Texture whose alpha multiplies the sheen's roughness.
-        sheen_roughness_texture: uint,
     }
 
     /// Values over texture coordinates: texels, or a pattern.

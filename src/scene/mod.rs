@@ -34,7 +34,8 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, NONE, Primitive, SURFACE_MASK, scene_arrays,
+    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, Material, NONE, Primitive, PropertyTexture,
+    SURFACE_MASK, scene_arrays,
 };
 
 /// A lamp is small where its area, beside the square of the scene's radius, is below this.
@@ -180,6 +181,12 @@ impl Scene {
             }
         }
         (0..seen.len()).filter(|index| seen[*index]).collect()
+    }
+
+    /// Which textures multiply which properties of a material.
+    pub fn textures_of(&self, material: &Material) -> &[PropertyTexture] {
+        let own = self.material_textures.get(material.textures as usize);
+        own.map_or(&[], |own| &self.property_textures[own.first as usize..][..own.count as usize])
     }
 
     /// Whether some light is one that no direction hits by chance: a point, a spot, a projector, parallel light.

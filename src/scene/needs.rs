@@ -61,6 +61,8 @@ struct Census<'a> {
     textured: bool,
     normal_maps: bool,
     bump_maps: bool,
+    /// The properties that are textured: bit `PROPERTY_*`.
+    textured_properties: u32,
     /// The layered ones.
     layered: Vec<&'a Layered>,
 }
@@ -75,6 +77,9 @@ impl<'a> Census<'a> {
                 let textures = &scene.material_textures[material.textures as usize];
                 census.normal_maps |= textures.normal != NONE;
                 census.bump_maps |= textures.bump != NONE;
+                for own in scene.textures_of(material) {
+                    census.textured_properties |= 1 << own.property;
+                }
                 census.textured = true;
             }
             if material.kind == MATERIAL_LAYERED {

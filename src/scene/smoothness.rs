@@ -2,7 +2,8 @@
 
 use super::Scene;
 use crate::layout::{
-    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIALS, Material, MaterialKind, NARROW_ALPHA, NONE, Trait,
+    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_PRINCIPLED_THIN, MATERIALS, Material, MaterialKind, NARROW_ALPHA, PROPERTY_ALPHA_U,
+    PROPERTY_ALPHA_V, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_ROUGHNESS, Trait,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -28,7 +29,10 @@ impl Scene {
         let is_narrow = |material: &Material| {
             let kind = &MATERIALS[material.kind as usize];
             let product = material.alpha_u * material.alpha_v;
-            let alpha2 = if kind.has(Trait::PerceptualRoughness) { product * product } else { product };
+            let mut alpha2 = if kind.has(Trait::PerceptualRoughness) { product * product } else { product };
+            if material.kind == MATERIAL_PRINCIPLED_THIN {
+                alpha2 *= (0.65 * material.eta - 0.35).min(1.0).powi(4); // what passes is spread by less
+            }
             kind.has(Trait::Rough)
                 && (self.is_roughness_textured(material)
                     || alpha2 < NARROW_ALPHA * NARROW_ALPHA
@@ -54,8 +58,12 @@ impl Scene {
         self.materials.iter().any(is_below)
     }
 
+    fn is_textured(&self, material: &Material, properties: &[u32]) -> bool {
+        self.textures_of(material).iter().any(|own| properties.contains(&own.property))
+    }
+
     fn is_roughness_textured(&self, material: &Material) -> bool {
-        self.material_textures.get(material.textures as usize).is_some_and(|own| own.roughness != NONE)
+        self.is_textured(material, &[PROPERTY_ROUGHNESS, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V])
     }
 
     /// The least alpha of a material's clear coat, which is there to be smooth; nothing where it has none.
@@ -64,11 +72,13 @@ impl Scene {
         match material.kind {
             MATERIAL_PRINCIPLED => {
                 let own = self.principleds.get(detail).filter(|own| own.clearcoat > 0.0)?;
-                Some(0.1 + (0.001 - 0.1) * own.clearcoat_gloss)
+                let gloss = if self.is_textured(material, &[PROPERTY_CLEARCOAT_GLOSS]) { 1.0 } else { own.clearcoat_gloss };
+                Some(0.1 + (0.001 - 0.1) * gloss)
             }
             MATERIAL_LAYERED => {
                 let own = self.layereds.get(detail).filter(|own| own.clearcoat > 0.0)?;
-                Some(if own.clearcoat_roughness_texture == NONE { own.clearcoat_roughness.powi(2) } else { 0.0 })
+                let textured = self.is_textured(material, &[PROPERTY_CLEARCOAT_ROUGHNESS]);
+                Some(if textured { 0.0 } else { own.clearcoat_roughness.powi(2) })
             }
             _ => None, // the parameters of the others have none
         }

@@ -47,6 +47,16 @@ pub const FAMILIES: &[Family] = &[
     ("principled metal", |r| principled(WHITE, r, Principled { metallic: 1.0, ..Principled::default() }), 1.002),
     ("principled glass", |r| principled(WHITE, r, Principled { spec_trans: 1.0, ..Principled::default() }), 1.002),
     ("principled", |r| principled(WHITE, r, Principled::default()), 1.58),
+    (
+        "principled thin glass",
+        |r| material::principled_thin(WHITE, r, 1.5, Principled { spec_trans: 1.0, ..Principled::default() }),
+        1.002,
+    ),
+    (
+        "principled thin sheet",
+        |r| material::principled_thin(WHITE, r, 1.5, Principled { diff_trans: 0.8, spec_trans: 0.3, ..Principled::default() }),
+        1.58,
+    ),
     ("layered metal", |r| layered(WHITE, r, plain_layers(1.0)), 1.002),
     ("layered wall", |r| layered(WHITE, r, Layered { transmission: 1.0, ..plain_layers(0.0) }), 1.002),
     ("layered glass", |r| layered(WHITE, r, Layered { transmission: 1.0, is_volume: 1, ..plain_layers(0.0) }), 1.002),

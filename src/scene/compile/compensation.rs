@@ -11,7 +11,8 @@ use super::fresnel::{diffuse_reflectance, mean_fresnel};
 use super::microfacets::Microfacets;
 use super::quadrature::gauss_legendre;
 use crate::layout::{
-    COMPENSATION_CELLS, Compensation, MASKING_CORRELATED, MATERIAL_ROUGH_DIELECTRIC, MICROFACET_BECKMANN, NONE,
+    COMPENSATION_CELLS, Compensation, MASKING_CORRELATED, MATERIAL_ROUGH_DIELECTRIC, MICROFACET_BECKMANN,
+    PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ROUGHNESS,
 };
 use crate::scene::material::MaterialDescription;
 
@@ -149,7 +150,7 @@ pub(super) fn file(description: &MaterialDescription, tables: &mut Vec<f32>, kno
     let record = &description.record;
     let is_glass = record.kind == MATERIAL_ROUGH_DIELECTRIC;
     let alpha = [record.alpha_u, record.alpha_v];
-    let rows = if description.textures.roughness != NONE {
+    let rows = if description.textures.any_of(&[PROPERTY_ROUGHNESS, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V]) {
         Rows::Factor
     } else if alpha[0] != alpha[1] {
         Rows::Azimuth
@@ -184,7 +185,7 @@ pub(super) fn file(description: &MaterialDescription, tables: &mut Vec<f32>, kno
         mean_fresnel,
         table: first,
         rows: rows.count() as u32,
-        alpha: if rows == Rows::Factor { record.alpha_u } else { 0.0 },
+        alpha: if rows == Rows::Factor { (record.alpha_u * record.alpha_v).sqrt() } else { 0.0 },
     }
 }
 

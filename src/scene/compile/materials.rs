@@ -6,7 +6,8 @@ use super::microfacets::Microfacets;
 use super::plastic::rough_coating;
 use crate::layout::{
     Compensation, Layered, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_ROUGH_PLASTIC, MICROFACET_BECKMANN,
-    Material, MaterialTextures, NONE, Plastic, Principled,
+    Material, MaterialTextures, NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, Plastic, Principled,
+    PropertyTexture,
 };
 use crate::scene::material::{Detail, MaterialDescription};
 
@@ -26,6 +27,7 @@ fn coating(description: &MaterialDescription) -> (Vec<f32>, f64) {
 pub(super) struct MaterialRecords {
     pub materials: Vec<Material>,
     pub textures: Vec<MaterialTextures>,
+    pub property_textures: Vec<PropertyTexture>,
     pub plastics: Vec<Plastic>,
     pub principleds: Vec<Principled>,
     pub layereds: Vec<Layered>,
@@ -63,9 +65,18 @@ pub(super) fn material_records(descriptions: &[MaterialDescription], tables: &mu
         let textures = &description.textures;
         if description.is_textured() {
             record.textures = records.textures.len() as u32;
-            records.textures.push(*textures);
+            records.textures.push(MaterialTextures {
+                first: records.property_textures.len() as u32,
+                count: textures.properties.len() as u32,
+                normal: textures.normal,
+                normal_scale: textures.normal_scale,
+                bump: textures.bump,
+                bump_scale: textures.bump_scale,
+            });
+            records.property_textures.extend(&textures.properties);
         }
-        if textures.normal != NONE || textures.bump != NONE {
+        let stretched = textures.any_of(&[PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC]);
+        if textures.normal != NONE || textures.bump != NONE || stretched {
             record.flags |= MATERIAL_HAS_TANGENTS;
         }
         records.materials.push(record);

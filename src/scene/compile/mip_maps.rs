@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::image::{Texels, TextureImage, srgb_byte, srgb_table};
-use crate::layout::{FILTER_NEAREST_BIT, Layered, MaterialTextures, NONE, TEXTURE_IMAGE, Texture};
+use crate::layout::{FILTER_NEAREST_BIT, PROPERTIES, PropertyTexture, TEXTURE_IMAGE, Texture};
 
 /// Levels of a chain from an image of this size down to one texel, the image itself included.
 pub fn level_count(width: u32, height: u32) -> u32 {
@@ -95,25 +95,10 @@ pub fn append_levels(image: &mut TextureImage) {
 }
 
 /// Gives levels to the images of all textures that materials are linear in, and tells those textures.
-pub(super) fn add(
-    images: &mut [TextureImage],
-    textures: &mut [Texture],
-    sets: &[MaterialTextures],
-    layereds: &[Layered],
-) {
-    let of_sets = sets.iter().flat_map(|set| [set.reflectance, set.transmittance, set.metallic]);
-    let of_layers = layereds.iter().flat_map(|layered| {
-        [
-            layered.specular_texture,
-            layered.specular_colour_texture,
-            layered.transmission_texture,
-            layered.clearcoat_texture,
-            layered.sheen_colour_texture,
-        ]
-    });
+pub(super) fn add(images: &mut [TextureImage], textures: &mut [Texture], uses: &[PropertyTexture]) {
     let mut filtered = vec![false; images.len()];
-    for index in of_sets.chain(of_layers).filter(|index| *index != NONE) {
-        let texture = &mut textures[index as usize];
+    for own in uses.iter().filter(|own| PROPERTIES[own.property as usize].linear) {
+        let texture = &mut textures[own.texture as usize];
         if texture.kind == TEXTURE_IMAGE && texture.sampling & FILTER_NEAREST_BIT == 0 {
             texture.levels = level_count(texture.width, texture.height);
             filtered[texture.texels[0] as usize] |= texture.levels > 1;

@@ -128,7 +128,7 @@ impl SceneBuilder {
         }
         let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images)).collect();
         if self.mip_maps {
-            mip_maps::add(&mut self.images, &mut textures, &records.textures, &records.layereds);
+            mip_maps::add(&mut self.images, &mut textures, &records.property_textures);
         }
         let mut scene = Scene {
             source: self.source,
@@ -145,6 +145,7 @@ impl SceneBuilder {
             material_names: (0..records.materials.len()).map(|index| self.names.remove(&index)).collect(),
             materials: records.materials,
             material_textures: records.textures,
+            property_textures: records.property_textures,
             blends: self.blends,
             plastics: records.plastics,
             principleds: records.principleds,

@@ -10,14 +10,14 @@ use super::filter::Filter;
 use super::group::{Group, Shape};
 use super::light::Lamp;
 use super::limits::{ELEMENTS, IMAGE_BYTES, MATERIALS};
-use super::material::{self, MaterialDescription};
+use super::material::{self, MaterialDescription, MaterialMaps};
 use super::mesh::Mesh;
 use super::request::{FilmSettings, LightSelection, TechniqueRequest};
 use super::surface::SurfaceDescription;
 use super::texture::{Pattern, TextureDescription};
 use crate::error::{Error, Result};
 use crate::image::{Texels, TextureImage};
-use crate::layout::{Blend, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION, Material, MaterialTextures, NONE};
+use crate::layout::{Blend, MATERIAL_BLEND, MATERIAL_HAS_TRANSMISSION, Material, NONE};
 
 /// What a file holds, in double precision, as loaders and tests describe it; `finish` makes a [`Scene`](crate::scene::Scene) of it.
 #[derive(Clone, Debug)]
@@ -151,7 +151,7 @@ impl SceneBuilder {
     pub(in crate::scene) fn changed_material(
         &mut self,
         material: usize,
-        change: impl Fn(&mut MaterialTextures) + Copy,
+        change: impl Fn(&mut MaterialMaps) + Copy,
     ) -> usize {
         self.changed(material, change, &mut HashMap::new())
     }
@@ -160,7 +160,7 @@ impl SceneBuilder {
     fn changed(
         &mut self,
         material: usize,
-        change: impl Fn(&mut MaterialTextures) + Copy,
+        change: impl Fn(&mut MaterialMaps) + Copy,
         copies: &mut HashMap<usize, usize>,
     ) -> usize {
         if let Some(copy) = copies.get(&material) {

@@ -2,9 +2,9 @@
 
 use crate::layout::{
     Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
-    MATERIAL_HAS_TRANSMISSION, MATERIAL_IS_COMPENSATED, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED,
+    MATERIAL_HAS_TRANSMISSION, MATERIAL_IS_COMPENSATED, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_PRINCIPLED_THIN,
     MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC,
-    MICROFACET_BECKMANN, Material, MaterialTextures, NONE, Plastic, Principled,
+    MICROFACET_BECKMANN, Material, NONE, Plastic, Principled, PropertyTexture,
 };
 
 /// A material with what its record has no room for; [`SceneBuilder::finish`](super::SceneBuilder::finish) files each part where it belongs.
@@ -15,7 +15,42 @@ pub struct MaterialDescription {
     /// What its kind needs besides.
     pub detail: Detail,
     /// Its textures.
-    pub textures: MaterialTextures,
+    pub textures: MaterialMaps,
+}
+
+/// The textures of a material, by their indices.
+#[derive(Clone, Debug)]
+pub struct MaterialMaps {
+    /// What multiplies a property, one of the `PROPERTY_*` constants.
+    pub properties: Vec<PropertyTexture>,
+    /// Tangent-space normals, or [`NONE`].
+    pub normal: u32,
+    /// Factor on the first two components of those normals.
+    pub normal_scale: f32,
+    /// Height that displaces the surface (bump map), or [`NONE`].
+    pub bump: u32,
+    /// Factor on that height, in scene units.
+    pub bump_scale: f32,
+}
+
+impl Default for MaterialMaps {
+    fn default() -> Self {
+        Self { properties: Vec::new(), normal: NONE, normal_scale: 1.0, bump: NONE, bump_scale: 1.0 }
+    }
+}
+
+impl MaterialMaps {
+    /// Lets a texture, unless it is [`NONE`], multiply a property.
+    pub fn multiply(&mut self, property: u32, texture: u32) {
+        if texture != NONE {
+            self.properties.push(PropertyTexture { property, texture });
+        }
+    }
+
+    /// Whether a texture multiplies one of these properties.
+    pub fn any_of(&self, properties: &[u32]) -> bool {
+        self.properties.iter().any(|own| properties.contains(&own.property))
+    }
 }
 
 /// What a kind of material needs besides its record.
@@ -31,21 +66,9 @@ pub enum Detail {
     Layered(Layered),
 }
 
-/// No textures.
-pub const UNTEXTURED: MaterialTextures = MaterialTextures {
-    reflectance: NONE,
-    transmittance: NONE,
-    roughness: NONE,
-    metallic: NONE,
-    normal: NONE,
-    normal_scale: 1.0,
-    bump: NONE,
-    bump_scale: 1.0,
-};
-
 impl From<Material> for MaterialDescription {
     fn from(record: Material) -> Self {
-        Self { record, detail: Detail::None, textures: UNTEXTURED }
+        Self { record, detail: Detail::None, textures: MaterialMaps::default() }
     }
 }
 
@@ -109,7 +132,7 @@ pub fn plastic(
     MaterialDescription {
         record: Material { alpha_u: alpha, alpha_v: alpha, eta, reflectance: diffuse, ..record(kind, 0) },
         detail: Detail::Plastic(detail),
-        textures: UNTEXTURED,
+        textures: MaterialMaps::default(),
     }
 }
 
@@ -121,7 +144,7 @@ fn bending(eta: f32) -> f32 {
 /// A material that has its roughness as artists see it, the square root of alpha, and bends light at `eta`.
 fn perceptual(mut record: Material, base: [f32; 3], roughness: f32, eta: f32, detail: Detail) -> MaterialDescription {
     (record.reflectance, record.alpha_u, record.alpha_v, record.eta) = (base, roughness, roughness, bending(eta));
-    MaterialDescription { record, detail, textures: UNTEXTURED }
+    MaterialDescription { record, detail, textures: MaterialMaps::default() }
 }
 
 /// Burley's principled BSDF of this base colour, perceptual roughness and index of refraction.
@@ -132,19 +155,20 @@ pub fn principled(base: [f32; 3], roughness: f32, eta: f32, parameters: Principl
     perceptual(record, base, roughness, eta, Detail::Principled(parameters))
 }
 
+/// Burley's principled BSDF of a thin sheet of this base colour, perceptual roughness and index of refraction, the same from both sides; it has
+/// neither metal nor a clear coat.
+pub fn principled_thin(base: [f32; 3], roughness: f32, eta: f32, parameters: Principled) -> MaterialDescription {
+    let tangents = if parameters.anisotropic > 0.0 { MATERIAL_HAS_TANGENTS } else { 0 };
+    let record = record(MATERIAL_PRINCIPLED_THIN, MATERIAL_HAS_TRANSMISSION | tangents);
+    perceptual(record, base, roughness, eta, Detail::Principled(parameters))
+}
+
 /// A [`Layered`] that is a plain metallic-roughness material.
 pub fn plain_layers(metallic: f32) -> Layered {
     Layered {
         metallic,
         specular: 1.0,
         specular_colour: [1.0; 3],
-        specular_texture: NONE,
-        specular_colour_texture: NONE,
-        transmission_texture: NONE,
-        clearcoat_texture: NONE,
-        clearcoat_roughness_texture: NONE,
-        sheen_colour_texture: NONE,
-        sheen_roughness_texture: NONE,
         ..Layered::default()
     }
 }
@@ -180,24 +204,7 @@ impl MaterialDescription {
 
     /// Whether any texture is set.
     pub fn is_textured(&self) -> bool {
-        let t = &self.textures;
-        let in_layers = match &self.detail {
-            Detail::Layered(l) => [
-                l.specular_texture,
-                l.specular_colour_texture,
-                l.transmission_texture,
-                l.clearcoat_texture,
-                l.clearcoat_roughness_texture,
-                l.sheen_colour_texture,
-                l.sheen_roughness_texture,
-            ]
-            .iter()
-            .any(|texture| *texture != NONE),
-            _ => false,
-        };
-        in_layers
-            || [t.reflectance, t.transmittance, t.roughness, t.metallic, t.normal, t.bump]
-                .iter()
-                .any(|texture| *texture != NONE)
+        let textures = &self.textures;
+        !textures.properties.is_empty() || textures.normal != NONE || textures.bump != NONE
     }
 }

@@ -15,8 +15,12 @@ use super::primitives::Wanted;
 use super::textures::{ALPHA, BLUE, COLOUR, GREEN, RED, Reference, Textures};
 use crate::error::Result;
 use crate::image::Encoding;
-use crate::layout::{Layered, MATERIAL_HAS_COLOURS, MaterialTextures, NONE};
-use crate::scene::material::{UNTEXTURED, layered, plain_layers};
+use crate::layout::{
+    Layered, MATERIAL_HAS_COLOURS, NONE, PROPERTY_CLEARCOAT, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_METALLIC,
+    PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS, PROPERTY_SHEEN_COLOUR, PROPERTY_SHEEN_ROUGHNESS, PROPERTY_SPECULAR,
+    PROPERTY_SPECULAR_COLOUR, PROPERTY_TRANSMISSION,
+};
+use crate::scene::material::{MaterialMaps, layered, plain_layers};
 use crate::scene::{Mask, SceneBuilder, SurfaceDescription};
 
 /// The strongest absorption, as optical depth over the attenuation distance: where the attenuation colour is black.
@@ -244,33 +248,6 @@ impl Reader<'_, '_> {
             )?,
             sheen_colour: document.shares(&name, "sheenColorFactor", sheen.sheen_color_factor)?,
             sheen_roughness: document.share(&name, "sheenRoughnessFactor", sheen.sheen_roughness_factor)?,
-            specular_texture: self.texture("specularTexture", &references.specular, linear, ALPHA)?,
-            specular_colour_texture: self.texture(
-                "specularColorTexture",
-                &references.specular_colour,
-                Encoding::Srgb,
-                COLOUR,
-            )?,
-            transmission_texture: self.texture("transmissionTexture", &references.transmission, linear, RED)?,
-            clearcoat_texture: self.texture("clearcoatTexture", &references.clearcoat, linear, RED)?,
-            clearcoat_roughness_texture: self.texture(
-                "clearcoatRoughnessTexture",
-                &references.clearcoat_roughness,
-                linear,
-                GREEN,
-            )?,
-            sheen_colour_texture: self.texture(
-                "sheenColorTexture",
-                &references.sheen_colour,
-                Encoding::Srgb,
-                COLOUR,
-            )?,
-            sheen_roughness_texture: self.texture(
-                "sheenRoughnessTexture",
-                &references.sheen_roughness,
-                linear,
-                ALPHA,
-            )?,
             ..plain_layers(document.share(&name, "metallicFactor", pbr.metallic_factor.0)?)
         };
         let layers = self.volume(extensions.volume.as_ref(), layers)?;
@@ -282,17 +259,28 @@ impl Reader<'_, '_> {
             return Err(document.wrong(&name, "normalTexture.scale is not finite"));
         }
         let shine = &references.metallic_roughness;
-        let textures = MaterialTextures {
-            reflectance: base_texture,
-            roughness: self.texture("metallicRoughnessTexture", shine, linear, GREEN)?,
-            metallic: self.texture("metallicRoughnessTexture", shine, linear, BLUE)?,
+        let mut textures = MaterialMaps {
             normal: self.texture("normalTexture", &references.normal, linear, COLOUR)?,
             normal_scale,
-            ..UNTEXTURED
+            ..MaterialMaps::default()
         };
+        let has_normals = textures.normal != NONE;
+        textures.multiply(PROPERTY_REFLECTANCE, base_texture);
+        for (property, what, reference, encoding, channel) in [
+            (PROPERTY_ROUGHNESS, "metallicRoughnessTexture", shine, linear, GREEN),
+            (PROPERTY_METALLIC, "metallicRoughnessTexture", shine, linear, BLUE),
+            (PROPERTY_SPECULAR, "specularTexture", &references.specular, linear, ALPHA),
+            (PROPERTY_SPECULAR_COLOUR, "specularColorTexture", &references.specular_colour, Encoding::Srgb, COLOUR),
+            (PROPERTY_TRANSMISSION, "transmissionTexture", &references.transmission, linear, RED),
+            (PROPERTY_CLEARCOAT, "clearcoatTexture", &references.clearcoat, linear, RED),
+            (PROPERTY_CLEARCOAT_ROUGHNESS, "clearcoatRoughnessTexture", &references.clearcoat_roughness, linear, GREEN),
+            (PROPERTY_SHEEN_COLOUR, "sheenColorTexture", &references.sheen_colour, Encoding::Srgb, COLOUR),
+            (PROPERTY_SHEEN_ROUGHNESS, "sheenRoughnessTexture", &references.sheen_roughness, linear, ALPHA),
+        ] {
+            textures.multiply(property, self.texture(what, reference, encoding, channel)?);
+        }
         let mut description = layered(base, roughness, eta, layers);
         description.textures = textures;
-        let has_normals = textures.normal != NONE;
         let id = self.builder.material(description);
         self.builder.name_material(id, &self.name);
 

@@ -7,11 +7,16 @@ use super::metals;
 use super::object::Object;
 use super::value::Colour;
 use crate::error::{Result, all_of, one_of};
-use crate::layout::{MaterialTextures, NONE, Principled};
-use crate::scene::material::MaterialDescription;
+use crate::layout::{
+    NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CONDUCTOR_ETA,
+    PROPERTY_CONDUCTOR_K, PROPERTY_DIFF_TRANS, PROPERTY_ETA, PROPERTY_FLATNESS, PROPERTY_METALLIC, PROPERTY_PRINCIPLED_CLEARCOAT, PROPERTY_REFLECTANCE,
+    PROPERTY_ROUGHNESS, PROPERTY_SHEEN, PROPERTY_SHEEN_TINT, PROPERTY_SPEC_TINT, PROPERTY_SPEC_TRANS,
+    PROPERTY_TRANSMITTANCE, Principled, PropertyTexture,
+};
+use crate::scene::material::{MaterialDescription, MaterialMaps};
 use crate::scene::{Mask, Side, material};
 
-const SUPPORTED: [&str; 15] = [
+const SUPPORTED: [&str; 16] = [
     "diffuse",
     "conductor",
     "roughconductor",
@@ -21,6 +26,7 @@ const SUPPORTED: [&str; 15] = [
     "plastic",
     "roughplastic",
     "principled",
+    "principledthin",
     "blendbsdf",
     "mask",
     "null",
@@ -86,10 +92,9 @@ impl Loader {
     fn leaf(&mut self, object: &Rc<Object>) -> Result<MaterialDescription> {
         match object.plugin.as_str() {
             "diffuse" => {
-                let (albedo, texture) = self.reflectance(object, "reflectance", 0.5)?;
-                let mut made = MaterialDescription::from(material::diffuse(albedo));
-                made.textures.reflectance = texture;
-                Ok(made)
+                let mut maps = MaterialMaps::default();
+                let albedo = self.colour(object, "reflectance", 0.5, PROPERTY_REFLECTANCE, &mut maps)?;
+                Ok(MaterialDescription { textures: maps, ..material::diffuse(albedo).into() })
             }
             "conductor" => self.conductor(object, None),
             "roughconductor" => {
@@ -102,69 +107,95 @@ impl Loader {
                 self.dielectric(object, Some(roughness))
             }
             "thindielectric" => {
-                let eta = relative_index(object, "bk7")?;
-                let (reflectance, first) = self.reflectance(object, "specular_reflectance", 1.0)?;
-                let (transmittance, second) = self.reflectance(object, "specular_transmittance", 1.0)?;
-                let mut made = MaterialDescription::from(material::thin_dielectric(eta, reflectance, transmittance));
-                (made.textures.reflectance, made.textures.transmittance) = (first, second);
-                Ok(made)
+                let (eta, [reflectance, transmittance], maps) = self.glass(object)?;
+                let made = material::thin_dielectric(eta, reflectance, transmittance);
+                Ok(MaterialDescription { textures: maps, ..made.into() })
             }
             "plastic" => self.plastic(object, None),
             "roughplastic" => {
                 let roughness = self.roughness(object)?;
-                if roughness.alpha[0] != roughness.alpha[1] || roughness.texture != NONE {
+                if roughness.alpha[0] != roughness.alpha[1] || !roughness.textures.is_empty() {
                     return Err(object.property_error("alpha", "the roughness of a roughplastic is one number"));
                 }
                 self.plastic(object, Some(roughness))
             }
             "principled" => self.principled(object),
+            "principledthin" => self.principled_thin(object),
             _ => Err(object.unknown_plugin(&SUPPORTED)),
         }
     }
 
+    /// A colour in 0 to 1, and the texture that multiplies it.
+    fn colour(
+        &mut self,
+        object: &Object,
+        name: &'static str,
+        default: f64,
+        property: u32,
+        maps: &mut MaterialMaps,
+    ) -> Result<[f32; 3]> {
+        let (colour, texture) = self.reflectance(object, name, default)?;
+        maps.multiply(property, texture);
+        Ok(colour)
+    }
+
+    /// A number in 0 to `most`, and the texture that multiplies it.
+    fn number(
+        &mut self,
+        object: &Object,
+        name: &'static str,
+        [default, most]: [f64; 2],
+        property: u32,
+        maps: &mut MaterialMaps,
+    ) -> Result<f32> {
+        let (value, texture) = self.scalar(object, name, default, [0.0, most])?;
+        maps.multiply(property, texture);
+        Ok(value as f32)
+    }
+
     fn conductor(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
-        let (eta, k) = conductor_indices(object)?;
-        let (reflectance, texture) = self.reflectance(object, "specular_reflectance", 1.0)?;
-        let made = material::conductor(eta, k, reflectance, roughness.map(|roughness| roughness.alpha));
-        let mut made = MaterialDescription::from(made);
-        made.textures.reflectance = texture;
+        let mut maps = MaterialMaps::default();
+        let (eta, k) = self.conductor_indices(object, &mut maps)?;
+        let reflectance = self.colour(object, "specular_reflectance", 1.0, PROPERTY_REFLECTANCE, &mut maps)?;
+        let alpha = roughness.as_ref().map(|roughness| roughness.alpha);
+        let made = MaterialDescription {
+            textures: maps,
+            ..material::conductor(eta, k, reflectance, alpha).into()
+        };
         Ok(with_roughness(made, roughness))
     }
 
-    fn dielectric(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
+    /// The relative index of glass, the factors on what it reflects and transmits, and their textures.
+    fn glass(&mut self, object: &Object) -> Result<(f32, [[f32; 3]; 2], MaterialMaps)> {
         let eta = relative_index(object, "bk7")?;
-        let (reflectance, first) = self.reflectance(object, "specular_reflectance", 1.0)?;
-        let (transmittance, second) = self.reflectance(object, "specular_transmittance", 1.0)?;
-        let made = material::dielectric(eta, reflectance, transmittance, roughness.map(|roughness| roughness.alpha));
-        let mut made = MaterialDescription::from(made);
-        (made.textures.reflectance, made.textures.transmittance) = (first, second);
-        Ok(with_roughness(made, roughness))
+        let mut maps = MaterialMaps::default();
+        let reflectance = self.colour(object, "specular_reflectance", 1.0, PROPERTY_REFLECTANCE, &mut maps)?;
+        let transmittance = self.colour(object, "specular_transmittance", 1.0, PROPERTY_TRANSMITTANCE, &mut maps)?;
+        Ok((eta, [reflectance, transmittance], maps))
+    }
+
+    fn dielectric(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
+        let (eta, [reflectance, transmittance], maps) = self.glass(object)?;
+        let alpha = roughness.as_ref().map(|roughness| roughness.alpha);
+        let made = material::dielectric(eta, reflectance, transmittance, alpha);
+        Ok(with_roughness(MaterialDescription { textures: maps, ..made.into() }, roughness))
     }
 
     fn plastic(&mut self, object: &Object, roughness: Option<Roughness>) -> Result<MaterialDescription> {
         let eta = relative_index(object, "polypropylene")?;
-        let (diffuse, first) = self.reflectance(object, "diffuse_reflectance", 0.5)?;
-        let (specular, second) = self.reflectance(object, "specular_reflectance", 1.0)?;
+        let mut maps = MaterialMaps::default();
+        let diffuse = self.colour(object, "diffuse_reflectance", 0.5, PROPERTY_REFLECTANCE, &mut maps)?;
+        let specular = self.colour(object, "specular_reflectance", 1.0, PROPERTY_TRANSMITTANCE, &mut maps)?;
         let nonlinear = object.boolean("nonlinear", false)?;
-        let mut made =
-            material::plastic(eta, diffuse, specular, nonlinear, roughness.map(|roughness| roughness.alpha[0]));
-        (made.textures.reflectance, made.textures.transmittance) = (first, second);
-        Ok(with_roughness(made, roughness))
+        let alpha = roughness.as_ref().map(|roughness| roughness.alpha[0]);
+        let made = material::plastic(eta, diffuse, specular, nonlinear, alpha);
+        Ok(with_roughness(MaterialDescription { textures: maps, ..made }, roughness))
     }
 
     fn principled(&mut self, object: &Object) -> Result<MaterialDescription> {
-        let unit = [0.0, 1.0];
-        let (base, first) = self.reflectance(object, "base_color", 0.5)?;
-        let (roughness, second) = self.scalar(object, "roughness", 0.5, unit)?;
-        let (metallic, third) = self.scalar(object, "metallic", 0.0, unit)?;
-        let share = |name: &'static str| {
-            let value = object.float(name, 0.0)?;
-            if unit[0] <= value && value <= unit[1] {
-                Ok(value as f32)
-            } else {
-                Err(object.property_error(name, format!("{value} is not in 0 to 1")))
-            }
-        };
+        let mut maps = MaterialMaps::default();
+        let base = self.colour(object, "base_color", 0.5, PROPERTY_REFLECTANCE, &mut maps)?;
+        let roughness = self.number(object, "roughness", [0.5, 1.0], PROPERTY_ROUGHNESS, &mut maps)?;
         let eta = match object.optional_float("eta")? {
             Some(_) if object.has("specular") => {
                 return Err(object.error("a principled BSDF has 'eta' or 'specular', not both"));
@@ -173,23 +204,64 @@ impl Loader {
             Some(eta) => return Err(object.property_error("eta", format!("{eta} is below 1"))),
             None => 2.0 / (1.0 - (0.08 * object.float("specular", 0.5)?.clamp(0.0, 1.0)).sqrt()) - 1.0,
         };
-        for ignored in ["main_specular_sampling", "clearcoat_sampling", "diffuse_reflectance_sampling"] {
-            object.optional_float(ignored)?; // how lobes are sampled changes no mean
+        // How lobes are sampled changes no mean.
+        for ignored in [
+            "main_specular_sampling",
+            "clearcoat_sampling",
+            "diffuse_reflectance_sampling",
+            "main_specular_sampling_rate",
+            "clearcoat_sampling_rate",
+            "diffuse_reflectance_sampling_rate",
+        ] {
+            object.optional_float(ignored)?;
         }
+        let mut share = |name, property| self.number(object, name, [0.0, 1.0], property, &mut maps);
         let parameters = Principled {
-            metallic: metallic as f32,
-            anisotropic: share("anisotropic")?,
-            spec_trans: share("spec_trans")?,
-            spec_tint: share("spec_tint")?,
-            sheen: share("sheen")?,
-            sheen_tint: share("sheen_tint")?,
-            flatness: share("flatness")?,
-            clearcoat: share("clearcoat")?,
-            clearcoat_gloss: share("clearcoat_gloss")?,
+            metallic: share("metallic", PROPERTY_METALLIC)?,
+            anisotropic: share("anisotropic", PROPERTY_ANISOTROPIC)?,
+            spec_trans: share("spec_trans", PROPERTY_SPEC_TRANS)?,
+            spec_tint: share("spec_tint", PROPERTY_SPEC_TINT)?,
+            sheen: share("sheen", PROPERTY_SHEEN)?,
+            sheen_tint: share("sheen_tint", PROPERTY_SHEEN_TINT)?,
+            flatness: share("flatness", PROPERTY_FLATNESS)?,
+            clearcoat: share("clearcoat", PROPERTY_PRINCIPLED_CLEARCOAT)?,
+            clearcoat_gloss: share("clearcoat_gloss", PROPERTY_CLEARCOAT_GLOSS)?,
+            ..Principled::default()
         };
-        let mut made = material::principled(base, roughness as f32, (eta as f32).max(1.001), parameters);
-        (made.textures.reflectance, made.textures.roughness, made.textures.metallic) = (first, second, third);
-        Ok(made)
+        let made = material::principled(base, roughness, (eta as f32).max(1.001), parameters);
+        Ok(MaterialDescription { textures: maps, ..made })
+    }
+
+    fn principled_thin(&mut self, object: &Object) -> Result<MaterialDescription> {
+        let mut maps = MaterialMaps::default();
+        let base = self.colour(object, "base_color", 0.5, PROPERTY_REFLECTANCE, &mut maps)?;
+        let roughness = self.number(object, "roughness", [0.5, 1.0], PROPERTY_ROUGHNESS, &mut maps)?;
+        let eta = self.number(object, "eta", [1.5, f64::INFINITY], PROPERTY_ETA, &mut maps)?;
+        // How lobes are sampled changes no mean.
+        for ignored in [
+            "diffuse_reflectance_sampling_rate",
+            "specular_reflectance_sampling_rate",
+            "specular_transmittance_sampling_rate",
+            "diffuse_transmittance_sampling_rate",
+        ] {
+            object.optional_float(ignored)?;
+        }
+        let mut share = |name, most, property| self.number(object, name, [0.0, most], property, &mut maps);
+        let parameters = Principled {
+            anisotropic: share("anisotropic", 1.0, PROPERTY_ANISOTROPIC)?,
+            spec_trans: share("spec_trans", 1.0, PROPERTY_SPEC_TRANS)?,
+            spec_tint: share("spec_tint", 1.0, PROPERTY_SPEC_TINT)?,
+            sheen: share("sheen", 1.0, PROPERTY_SHEEN)?,
+            sheen_tint: share("sheen_tint", 1.0, PROPERTY_SHEEN_TINT)?,
+            flatness: share("flatness", 1.0, PROPERTY_FLATNESS)?,
+            diff_trans: share("diff_trans", 2.0, PROPERTY_DIFF_TRANS)?,
+            ..Principled::default()
+        };
+        if eta < 1.0 {
+            return Err(object.property_error("eta", format!("{eta} is below 1")));
+        }
+        let made = material::principled_thin(base, roughness, eta, parameters);
+        Ok(MaterialDescription { textures: maps, ..made })
     }
 
     fn two_sided(&mut self, object: &Rc<Object>) -> Result<Sides> {
@@ -275,7 +347,7 @@ impl Loader {
     }
 
     /// These sides with copies of their materials whose textures are changed.
-    fn map_sides(&mut self, sides: Sides, change: impl Fn(&mut MaterialTextures) + Copy) -> Sides {
+    fn map_sides(&mut self, sides: Sides, change: impl Fn(&mut MaterialMaps) + Copy) -> Sides {
         let front = sides.front.map(|front| self.builder.changed_material(front, change));
         let back = if sides.back == sides.front {
             front
@@ -296,27 +368,68 @@ impl Loader {
             }
         };
         object.boolean("sample_visible", true)?; // how normals are sampled changes no mean
-        if let Some(texture) = object.texture("alpha") {
-            return Ok(Roughness { alpha: [1.0; 2], texture: self.make_texture(&texture)?, beckmann });
+        let mut textures = Vec::new();
+        let mut alpha = [0.0; 2];
+        // Both directions take the common one where they have none of their own.
+        for (index, (name, property)) in [("alpha_u", PROPERTY_ALPHA_U), ("alpha_v", PROPERTY_ALPHA_V)].iter().enumerate() {
+            let own = object.texture(name).is_some() || object.has(name);
+            let (value, texture) = self.scalar(object, if own { name } else { "alpha" }, 0.1, [0.0, f64::INFINITY])?;
+            alpha[index] = (value as f32).max(LEAST_ALPHA);
+            if texture != NONE {
+                textures.push(PropertyTexture { property: *property, texture });
+            }
         }
-        let both = object.positive_float("alpha", 0.1)?;
-        let alpha = [object.positive_float("alpha_u", both)?, object.positive_float("alpha_v", both)?];
-        // Mitsuba's own lower limit.
-        Ok(Roughness { alpha: alpha.map(|alpha| (alpha as f32).max(1e-4)), texture: NONE, beckmann })
+        // One texture for both.
+        if let [u, v] = &textures[..] && u.texture == v.texture {
+            textures = vec![PropertyTexture { property: PROPERTY_ROUGHNESS, texture: u.texture }];
+        }
+        Ok(Roughness { alpha, textures, beckmann })
+    }
+
+    /// The complex index of refraction of a metal.
+    fn conductor_indices(&mut self, object: &Object, maps: &mut MaterialMaps) -> Result<([f32; 3], [f32; 3])> {
+        let (eta, k) = match object.optional_text("material")?.filter(|name| *name != "none") {
+            Some(name) => {
+                if object.has("eta") || object.has("k") {
+                    return Err(object.error(format!("{} has 'material' or 'eta' and 'k', not both", object.title())));
+                }
+                metals::index_of_refraction(name).ok_or_else(|| {
+                    object.property_error(
+                        "material",
+                        format!("'{name}' is not known; give 'eta' and 'k', or one of {}", all_of(metals::names())),
+                    )
+                })?
+            }
+            None => {
+                let mut index = |name, default, property| match object.texture(name) {
+                    Some(texture) => {
+                        maps.multiply(property, self.make_texture(&texture)?);
+                        Ok([1.0; 3])
+                    }
+                    None => Ok(object.optional_colour(name, Colour::Unbounded)?.unwrap_or(default)),
+                };
+                let (eta, k) = metals::MIRROR;
+                (index("eta", eta, PROPERTY_CONDUCTOR_ETA)?, index("k", k, PROPERTY_CONDUCTOR_K)?)
+            }
+        };
+        let [eta, k] = [eta, k].map(|index| index.map(|channel| channel as f32));
+        Ok((eta, k))
     }
 }
 
+/// Mitsuba's own lower limit of roughness: a lobe of that alpha is as good as a mirror's.
+const LEAST_ALPHA: f32 = 1e-4;
+
 /// The microfacets of a rough material.
-#[derive(Clone, Copy)]
 struct Roughness {
     alpha: [f32; 2],
-    texture: u32,
+    textures: Vec<PropertyTexture>,
     beckmann: bool,
 }
 
 fn with_roughness(mut made: MaterialDescription, roughness: Option<Roughness>) -> MaterialDescription {
     if let Some(roughness) = roughness {
-        made.textures.roughness = roughness.texture;
+        made.textures.properties.extend(roughness.textures);
         if roughness.beckmann {
             return made.beckmann();
         }
@@ -329,32 +442,6 @@ fn relative_index(object: &Object, inside: &str) -> Result<f32> {
     let inside = index_of_refraction(object, "int_ior", inside)?;
     let outside = index_of_refraction(object, "ext_ior", "air")?;
     Ok((inside / outside) as f32)
-}
-
-/// The complex index of refraction of a metal.
-fn conductor_indices(object: &Object) -> Result<([f32; 3], [f32; 3])> {
-    let (eta, k) = match object.optional_text("material")?.filter(|name| *name != "none") {
-        Some(name) => {
-            if object.has("eta") || object.has("k") {
-                return Err(object.error(format!("{} has 'material' or 'eta' and 'k', not both", object.title())));
-            }
-            metals::index_of_refraction(name).ok_or_else(|| {
-                object.property_error(
-                    "material",
-                    format!("'{name}' is not known; give 'eta' and 'k', or one of {}", all_of(metals::names())),
-                )
-            })?
-        }
-        None => {
-            let (eta, k) = metals::MIRROR;
-            (
-                object.optional_colour("eta", Colour::Unbounded)?.unwrap_or(eta),
-                object.optional_colour("k", Colour::Unbounded)?.unwrap_or(k),
-            )
-        }
-    };
-    let [eta, k] = [eta, k].map(|index| index.map(|channel| channel as f32));
-    Ok((eta, k))
 }
 
 fn index_of_refraction(object: &Object, name: &'static str, default: &str) -> Result<f64> {
