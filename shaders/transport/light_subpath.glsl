@@ -28,10 +28,11 @@ Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
 // f |cos| of light that came along the ray and leaves along `world`, for power: f takes light from where it came to where it goes,
 // and the cosines are those of the geometric normal (Veach 1997, equation 5.19).
 vec3 light_vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
-    if (!vertex_scatters(v, ray, local, world)) return vec3(0.0);
+    float passage = vertex_passage(v, ray, local, world);
+    if (passage == 0.0) return vec3(0.0);
     if (local.z <= 0.0 && !bsdf_transmits(b)) return vec3(0.0); // BSDFs that only reflect rely on a wo above the surface
     float arriving = abs(dot(ray.direction, v.at.normal));
-    return arriving > 0.0 ? bsdf_eval(b, local, v.wo) * (abs(dot(world, v.at.normal)) / arriving) : vec3(0.0);
+    return arriving > 0.0 ? bsdf_eval(b, local, v.wo) * (passage * abs(dot(world, v.at.normal)) / arriving) : vec3(0.0);
 }
 
 // What the weight of a BSDF's sample, which is that of radiance, is to be multiplied by for power: refraction gets its eta^2 back, and the

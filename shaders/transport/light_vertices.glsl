@@ -13,6 +13,7 @@ Ray light_vertex_ray(LightVertex y) { return Ray(y.position, y.direction, INFINI
 Vertex light_vertex(LightVertex y, Sampler random, out Bsdf b) {
     Ray arrived = light_vertex_ray(y);
     Vertex v = vertex_at(arrived, Hit(0.0, y.primitive, y.instance, y.uv));
+    v.from_light = true;
     random.dimension = y.dimension;
     b = vertex_material(v, arrived, random);
     return v;

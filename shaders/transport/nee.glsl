@@ -38,7 +38,7 @@ NextEvent nee_connect(Path path, Vertex v, Bsdf b, LightSample light, inout Bsdf
         }
     }
     vertex_check(v, path.ray, s);
-    if (!vertex_scatters(v, path.ray, n.wi, light.wi)) n.f = vec3(0.0);
+    if (v.mapped) n.f *= vertex_passage(v, path.ray, n.wi, light.wi);
     return n;
 }
 

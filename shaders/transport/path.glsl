@@ -51,6 +51,7 @@ void path_measure(Path path, inout Vertex v) {
 // Follows the path to its next vertex; false where it leaves the scene.
 bool path_arrive(inout Path path, out Vertex v, inout uint rays) {
     if (!vertex_arrive(path.ray, path.from_camera && path.depth == 0u, v, path.random, rays)) return false;
+    v.from_light = !path.from_camera;
     path_absorb(path, v);
     path_measure(path, v);
     return true;

@@ -27,7 +27,9 @@ SplitEvent split_connect(Path path, Vertex v, Bsdf b, LightSample light, bool co
         else bsdf_closed(s, n.f, n.pdf_w);
     }
     vertex_check(v, path.ray, s);
-    if (!vertex_scatters(v, path.ray, n.wi, light.wi)) both.broad.f = both.narrow.f = vec3(0.0);
+    float passage = vertex_passage(v, path.ray, n.wi, light.wi);
+    both.broad.f *= passage;
+    both.narrow.f *= passage;
     return both;
 }
 

@@ -14,6 +14,10 @@ struct Vertex {
     uint material;     // NONE reflects nothing
     bool front;        // the path came to the front of the surface, by the shading normal
     bool mapped;       // a normal or bump map tilts the frame off the shading normal
+    bool flips;        // ... so that the camera sees it from above: to the other side than the map says, where that is needed
+    bool flipped;      // ... as is the case here
+    bool shadowed;     // ... and its slopes shadow each other
+    bool from_light;   // a light subpath came there
     float side;        // of what the path sees there, in texture coordinates; 0 is a point
 };
 
@@ -28,7 +32,7 @@ Vertex vertex_of(Ray ray, Hit hit, Interaction at) {
     v.front = v.wo.z > 0.0;
     v.material = v.front || !HAS_BACK_MATERIALS ? v.surface.front : v.surface.back;
     v.turned = 1.0;
-    v.mapped = false;
+    v.mapped = v.flips = v.flipped = v.shadowed = v.from_light = false;
     v.side = 0.0;
     if (!HAS_BACK_MATERIALS && !v.front || v.wo.z == 0.0) v.material = NONE;
     return v;
@@ -48,11 +52,49 @@ bool vertex_arrive(inout Ray ray, bool from_camera, out Vertex v, inout Sampler 
 
 #include "transport/shading_basis.glsl"
 
+// A mapped normal that the camera's side is below of is mirrored at the shading normal (Schuessler, Heitz, Hanika and Dachsbacher 2017,
+// "Microfacet-based normal mapping for robust Monte Carlo path tracing": the other facet of the V that a tilted one belongs to). The normal as the
+// map has it, and mirrored:
+vec3 mirrored_normal(Vertex v) { return 2.0 * dot(v.basis.normal, v.at.shading_normal) * v.at.shading_normal - v.basis.normal; }
+
+// Whether a direction to the camera's side is below the normal that the map says, but not below the surface, or the other way round.
+bool vertex_flips(Vertex v, vec3 world) {
+    vec3 normal = v.basis.normal;
+    if (v.flipped) normal = mirrored_normal(v);
+    return dot(world, v.at.shading_normal) * dot(world, normal) <= 0.0;
+}
+
+// Probability with which a light subpath, which does not know the camera's side yet, takes the normal that it has: the mirrored one as often as cosine-weighted
+// directions ask for it.
+float vertex_flip_share(Vertex v) {
+    float flips = 0.5 * (1.0 - abs(dot(v.basis.normal, v.at.shading_normal)));
+    return v.flipped ? flips : 1.0 - flips;
+}
+
+void vertex_flip(inout Vertex v, Ray ray, inout Sampler random) {
+    if (v.from_light ? next4(random).x >= vertex_flip_share(v) : vertex_flips(v, -ray.direction)) {
+        v.basis = basis_along(mirrored_normal(v), v.at.dp_du);
+        v.flipped = true;
+    }
+}
+
+// The share of light from a direction that the slopes of a mapped surface let through to each other (Estevez, Lecocq and Stein 2019, "A microfacet-based
+// shadowing function to solve the bump terminator problem", Ray Tracing Gems, chapter 12).
+float slope_shadowing(Vertex v, vec3 light) {
+    float cos_n = dot(v.basis.normal, v.at.shading_normal), cos_l = dot(light, v.at.shading_normal);
+    float alpha2 = min(0.125 * (1.0 / (cos_n * cos_n) - 1.0), 1.0);
+    float tan2 = max(1.0 / (cos_l * cos_l) - 1.0, 0.0);
+    return 2.0 / (1.0 + sqrt(1.0 + alpha2 * tan2));
+}
+
 // The vertex's material; turns the frame round where the path came to the back of something that reflects only.
 Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
     Bsdf b = bsdf_at(v.material, v.at.uv, v.side, v.at.colour, random);
     if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
         v.basis = shading_basis(v.at, b.m, v.mapped);
+        v.shadowed = HAS_SHADOWED_NORMALS && v.mapped && (b.m.flags & MATERIAL_SHADOWS_NORMALS) != 0u;
+        v.flips = HAS_FLIPPED_NORMALS && v.mapped && (b.m.flags & MATERIAL_FLIPS_NORMALS) != 0u;
+        if (v.flips) vertex_flip(v, ray, random);
         v.wo = to_local(v.basis, -ray.direction);
     }
     if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(b)) {
@@ -73,18 +115,24 @@ vec3 vertex_to_local(Vertex v, vec3 w) {
 // would leak through.
 bool vertex_is_sound(Vertex v, vec3 local, vec3 world) { return local.z * v.turned * dot(world, v.at.shading_normal) > 0.0; }
 
-// Whether light goes from one direction to the other, the local and world forms of the second being given.
-bool vertex_scatters(Vertex v, Ray ray, vec3 local, vec3 world) {
-    return !v.mapped || vertex_is_sound(v, v.wo, -ray.direction) && vertex_is_sound(v, local, world);
+// The share of light that a mapped frame lets go from one direction to the other, the local and world forms of the second being given: where light
+// comes from at the vertex of a camera subpath, where the camera lies at that of a light subpath. There the frame was chosen by chance.
+float vertex_passage(Vertex v, Ray ray, vec3 local, vec3 world) {
+    if (!v.mapped) return 1.0;
+    if (!vertex_is_sound(v, v.wo, -ray.direction) || !vertex_is_sound(v, local, world)) return 0.0;
+    float passage = 1.0;
+    if (HAS_FLIPPED_NORMALS && v.flips && v.from_light) passage = vertex_flips(v, world) == v.flipped ? 1.0 / vertex_flip_share(v) : 0.0;
+    return HAS_SHADOWED_NORMALS && v.shadowed ? passage * slope_shadowing(v, v.from_light ? -ray.direction : world) : passage;
 }
 
 vec3 vertex_eval(Vertex v, Bsdf b, Ray ray, vec3 local, vec3 world) {
-    return vertex_scatters(v, ray, local, world) ? bsdf_eval(b, v.wo, local) : vec3(0.0);
+    float passage = vertex_passage(v, ray, local, world);
+    return passage > 0.0 ? passage * bsdf_eval(b, v.wo, local) : vec3(0.0);
 }
 
-// Takes the weight of a sample that is not sound.
+// Takes what a mapped frame does not let pass from the weight of a sample.
 void vertex_check(Vertex v, Ray ray, inout BsdfSample s) {
-    if (!vertex_scatters(v, ray, s.wi, vertex_to_world(v, s.wi))) s.weight = vec3(0.0);
+    if (v.mapped) s.weight *= vertex_passage(v, ray, s.wi, vertex_to_world(v, s.wi));
 }
 
 BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {

@@ -50,6 +50,11 @@ shared_constants! {
     /// Flag on [`Material::flags`](super::Material::flags) of a shader's own copy: broad lobes take no part.
     pub const WITHOUT_BROAD_LOBES = 256;
 
+    /// Flag on [`Material::flags`](super::Material::flags): a mapped normal that the camera's side is below of is mirrored at the shading normal.
+    pub const MATERIAL_FLIPS_NORMALS = 512;
+    /// Flag on [`Material::flags`](super::Material::flags): the slopes of a mapped surface shadow each other.
+    pub const MATERIAL_SHADOWS_NORMALS = 1024;
+
     /// Flag on [`Surface::flags`](super::Surface::flags): the other side emits the same.
     pub const SURFACE_EMITS_BEHIND = 1;
     /// Flag on [`Surface::flags`](super::Surface::flags): the alpha of vertex colours multiplies the opacity.

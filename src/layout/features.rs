@@ -66,6 +66,14 @@ macro_rules! features {
             hidden_emitters HIDES_EMITTERS: bool "hidden emitters",
                 of |scene, _| scene.technique.hide_emitters,
                 unspecialised |own| own;
+            /// Some mapped normal is mirrored where the camera is below it.
+            flipped_normals HAS_FLIPPED_NORMALS: bool "flipped normals",
+                of |_, census| census.flags & MATERIAL_FLIPS_NORMALS != 0,
+                unspecialised |_| true;
+            /// Some mapped surface shadows itself.
+            shadowed_normals HAS_SHADOWED_NORMALS: bool "shadowed slopes",
+                of |_, census| census.flags & MATERIAL_SHADOWS_NORMALS != 0,
+                unspecialised |_| true;
             /// Some surface has a textured opacity.
             textured_masks HAS_TEXTURED_MASKS: bool "textured masks",
                 of |scene, _| scene.surfaces.iter().any(|surface| surface.opacity_texture != NONE),

@@ -235,6 +235,7 @@ bool mutation_scatter(inout Mutation m) {
         direction = turned(current_direction(m, m.at, m.backwards), next4(m.random).xy);
     } else {
         Sampler random = vertex_random(x, 0u);
+        v.from_light = m.backwards;
         Bsdf b = vertex_material(v, ray, random);
         random = vertex_random(x, SCATTER_NUMBERS);
         BsdfSample s = vertex_sample(v, b, ray, next4(random).xyz);

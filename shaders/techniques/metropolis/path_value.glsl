@@ -107,6 +107,7 @@ vec3 path_value(inout Route r, inout uint rays) {
                 if (!(x.pdf > 0.0)) return vec3(0.0);
                 value /= x.pdf;
             }
+            if (HAS_FLIPPED_NORMALS && v.flips) x.reverse_pdf *= vertex_flip_share(v); // a light subpath takes this frame so often
             absorption = vertex_absorption(v, b, absorption, local);
             target = offset_origin(v.at.position, v.at.margin, v.at.normal, -direction);
             leaving_from = offset_origin(v.at.position, v.at.margin, v.at.normal, onwards);

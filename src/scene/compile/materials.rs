@@ -5,7 +5,8 @@ use super::fresnel::diffuse_reflectance;
 use super::microfacets::Microfacets;
 use super::plastic::rough_coating;
 use crate::layout::{
-    Compensation, Layered, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED, MATERIAL_ROUGH_PLASTIC, MICROFACET_BECKMANN,
+    Compensation, Layered, MATERIAL_FLIPS_NORMALS, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED,
+    MATERIAL_ROUGH_PLASTIC, MATERIAL_SHADOWS_NORMALS, MICROFACET_BECKMANN,
     Material, MaterialTextures, NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, Plastic, Principled,
     PropertyTexture,
 };
@@ -78,6 +79,9 @@ pub(super) fn material_records(descriptions: &[MaterialDescription], tables: &mu
         let stretched = textures.any_of(&[PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC]);
         if textures.normal != NONE || textures.bump != NONE || stretched {
             record.flags |= MATERIAL_HAS_TANGENTS;
+        }
+        for (set, flag) in [(textures.flips, MATERIAL_FLIPS_NORMALS), (textures.shadows, MATERIAL_SHADOWS_NORMALS)] {
+            record.flags |= if set { flag } else { 0 };
         }
         records.materials.push(record);
     }

@@ -31,11 +31,15 @@ pub struct MaterialMaps {
     pub bump: u32,
     /// Factor on that height, in scene units.
     pub bump_scale: f32,
+    /// A mapped normal that the camera's side is below of is mirrored at the shading normal.
+    pub flips: bool,
+    /// The slopes of a mapped surface shadow each other.
+    pub shadows: bool,
 }
 
 impl Default for MaterialMaps {
     fn default() -> Self {
-        Self { properties: Vec::new(), normal: NONE, normal_scale: 1.0, bump: NONE, bump_scale: 1.0 }
+        Self { properties: Vec::new(), normal: NONE, normal_scale: 1.0, bump: NONE, bump_scale: 1.0, flips: false, shadows: false }
     }
 }
 

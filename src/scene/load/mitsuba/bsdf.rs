@@ -320,15 +320,9 @@ impl Loader {
             (None, Some(constant)) => self.constant_texture(constant),
             (None, None) => return Err(object.error("a normalmap needs the texture 'normalmap'")),
         };
-        for name in ["flip_invalid_normals", "use_shadowing_function"] {
-            if object.boolean(name, true)? {
-                self.builder
-                    .warnings
-                    .push(format!("{}: '{name}' is true in Mitsuba, and is not modelled", object.title()));
-            }
-        }
+        let (flips, shadows) = mapping(object)?;
         let sides = self.material(&inner)?;
-        Ok(self.map_sides(sides, |textures| textures.normal = texture))
+        Ok(self.map_sides(sides, |maps| (maps.normal, maps.flips, maps.shadows) = (texture, flips, shadows)))
     }
 
     fn bump_map(&mut self, object: &Rc<Object>) -> Result<Sides> {
@@ -338,8 +332,11 @@ impl Loader {
         };
         let texture = self.make_texture(texture)?;
         let scale = object.float("scale", 1.0)? as f32;
+        let (flips, shadows) = mapping(object)?;
         let sides = self.material(&inner)?;
-        Ok(self.map_sides(sides, |textures| (textures.bump, textures.bump_scale) = (texture, scale)))
+        Ok(self.map_sides(sides, |maps| {
+            (maps.bump, maps.bump_scale, maps.flips, maps.shadows) = (texture, scale, flips, shadows);
+        }))
     }
 
     fn only_bsdf(&self, object: &Rc<Object>) -> Result<Rc<Object>> {
@@ -415,6 +412,11 @@ impl Loader {
         let [eta, k] = [eta, k].map(|index| index.map(|channel| channel as f32));
         Ok((eta, k))
     }
+}
+
+/// Whether mapped normals are flipped to where the camera sees them, and shadow each other.
+fn mapping(object: &Object) -> Result<(bool, bool)> {
+    Ok((object.boolean("flip_invalid_normals", true)?, object.boolean("use_shadowing_function", true)?))
 }
 
 /// Mitsuba's own lower limit of roughness: a lobe of that alpha is as good as a mirror's.
