@@ -5,10 +5,10 @@ use crate::common::{settings, with_gpu};
 use glam::DVec3;
 use lumbre::gpu::Gpu;
 use lumbre::layout::backend::Backend;
-use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, Material, Principled};
+use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, MATERIAL_PRINCIPLED_THIN, Material, Principled};
 use lumbre::render::Probe;
 use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};
-use lumbre::verify::families::{FAMILIES, Family};
+use lumbre::verify::families::{FAMILIES, Family, is_thin};
 use lumbre::verify::scattering::{self, Asked, both_ways, vector};
 
 const WHITE: [f32; 3] = [1.0; 3];
@@ -75,6 +75,10 @@ fn flagged(material: Material, flag: u32) -> Material {
 
 fn principled(base: [f32; 3], roughness: f32, parameters: Principled) -> MaterialDescription {
     material::principled(base, roughness, 1.5, parameters)
+}
+
+fn thin(base: [f32; 3], roughness: f32, parameters: Principled) -> MaterialDescription {
+    material::principled_thin(base, roughness, 1.5, parameters)
 }
 
 fn layered(base: [f32; 3], roughness: f32, layers: Layered) -> MaterialDescription {
@@ -169,6 +173,21 @@ fn cases() -> Vec<Case> {
         ),
         case("principled, flat", 0.36, principled(WHITE, 0.6, Principled { flatness: 1.0, ..none })).energy(1.45),
         case("principled, tinted", 0.25, principled(colour, 0.5, Principled { spec_tint: 1.0, ..none })).energy(1.12),
+        case("principled thin, glass", 0.09, thin(WHITE, 0.5, Principled { spec_trans: 1.0, ..none })).thin(),
+        case(
+            "principled thin, sheet",
+            0.05,
+            thin(colour, 0.4, Principled { spec_trans: 0.4, diff_trans: 0.7, anisotropic: 0.5, spec_tint: 0.6, ..none }),
+        )
+        .thin()
+        .energy(1.13),
+        case(
+            "principled thin, cloth",
+            0.2,
+            thin(colour, 0.7, Principled { diff_trans: 1.2, sheen: 0.8, sheen_tint: 0.5, flatness: 0.5, ..none }),
+        )
+        .thin()
+        .energy(1.3),
         // glTF weights the diffuse lobe by Fresnel's factor of the half vector, which towards grazing is less than what the
         // specular lobe takes.
         case("layered, dielectric", 0.16, layered(WHITE, 0.4, plain)).energy(1.24),
@@ -468,7 +487,7 @@ fn bsdfs_are_reciprocal() {
 /// All families, each at these roughnesses.
 fn family_cases(roughness: &[f32]) -> Vec<Case> {
     let of_family = |(name, family, _): &Family| {
-        let case = |r: &f32| Case { thin: *name == "layered wall", ..case(name, 1.0, family(*r)) };
+        let case = |r: &f32| Case { thin: is_thin(name), ..case(name, 1.0, family(*r)) };
         roughness.iter().map(case).collect::<Vec<_>>()
     };
     FAMILIES.iter().flat_map(of_family).collect()
@@ -826,6 +845,40 @@ fn principled_reference(m: &Material, p: &Principled, wo: DVec3, wi: DVec3) -> D
     value + sheen * (f64::from(p.sheen) * (1.0 - metallic) * weight(oh) * wi.z)
 }
 
+/// f |cos| of a thin principled material, term by term as published (Burley 2015, section 5.3).
+fn principled_thin_reference(m: &Material, p: &Principled, wo: DVec3, wi: DVec3) -> DVec3 {
+    let reflected = wo.z * wi.z > 0.0;
+    let (wo, wi) = (DVec3::new(wo.x, wo.y, wo.z.abs()), DVec3::new(wi.x, wi.y, wi.z.abs()));
+    let (base, eta, rough) = (vector(m.reflectance), f64::from(m.eta), f64::from(m.alpha_u));
+    let [trans, passed] = [p.spec_trans, 0.5 * p.diff_trans].map(f64::from);
+    let h = (wo + wi).normalize();
+    let cos = wo.dot(h);
+    let aspect = (1.0 - 0.9 * f64::from(p.anisotropic)).sqrt();
+    let spread = if reflected { rough } else { (0.65 * eta - 0.35) * rough };
+    let [ax, ay] = [spread * spread / aspect, spread * spread * aspect].map(|alpha| alpha.max(1e-3));
+    let d = 1.0 / (std::f64::consts::PI * ax * ay * ((h.x / ax).powi(2) + (h.y / ay).powi(2) + h.z * h.z).powi(2));
+    let g1 = |w: DVec3| 2.0 / (1.0 + (1.0 + ((ax * w.x).powi(2) + (ay * w.y).powi(2)) / (w.z * w.z)).sqrt());
+    let inside = (1.0 - (1.0 - cos * cos) / (eta * eta)).sqrt();
+    let (s, t) = ((cos - eta * inside) / (cos + eta * inside), (eta * cos - inside) / (eta * cos + inside));
+    let fresnel = 0.5 * (s * s + t * t);
+    let shine = trans * d * g1(wo) * g1(wi) / (4.0 * wo.z);
+    let diffuse = (1.0 - trans) * wi.z;
+    if !reflected {
+        return base * (shine * (1.0 - fresnel) + diffuse * passed / std::f64::consts::PI);
+    }
+    let weight = |c: f64| (1.0 - c).powi(5);
+    let tint = base / base.dot(DVec3::new(0.212671, 0.715160, 0.072169));
+    let r0 = tint * ((eta - 1.0) / (eta + 1.0)).powi(2);
+    let tinted = DVec3::splat(fresnel).lerp(r0 + (DVec3::ONE - r0) * weight(cos), f64::from(p.spec_tint));
+    let (fo, fi) = (weight(wo.z), weight(wi.z));
+    let lobe = |f90: f64| (1.0 + (f90 - 1.0) * fo) * (1.0 + (f90 - 1.0) * fi);
+    let flat = 1.25 * (lobe(rough * cos * cos) * (1.0 / (wo.z + wi.z) - 0.5) + 0.5);
+    let plain = lobe(0.5 + 2.0 * rough * cos * cos);
+    let scattered = base * ((plain + (flat - plain) * f64::from(p.flatness)) / std::f64::consts::PI);
+    let sheen = DVec3::ONE.lerp(tint, f64::from(p.sheen_tint)) * (f64::from(p.sheen) * weight(cos));
+    tinted * shine + (scattered + sheen) * (diffuse * (1.0 - passed))
+}
+
 #[test]
 fn principled_is_the_published_model() {
     with_gpu(|gpu| {
@@ -851,7 +904,9 @@ fn principled_is_the_published_model() {
             let answers = bench.ask(&pairs.iter().map(ask).collect::<Vec<_>>());
             let mut worst = (0.0f64, String::new());
             for (answer, (wo, wi)) in answers.iter().zip(&pairs) {
-                let expected = principled_reference(&case.material.record, parameters, vector(*wo), vector(*wi));
+                let thin = case.material.record.kind == MATERIAL_PRINCIPLED_THIN;
+                let model = if thin { principled_thin_reference } else { principled_reference };
+                let expected = model(&case.material.record, parameters, vector(*wo), vector(*wi));
                 let off = (vector(answer.value) - expected).abs().max_element() / expected.max_element().max(1e-3);
                 if off > worst.0 {
                     worst = (off, format!("{wo:?} {wi:?}: {:?} against {expected}", answer.value));

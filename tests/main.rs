@@ -38,6 +38,7 @@ mod memory;
 mod merging;
 mod metrics;
 mod metropolis;
+mod narrow;
 mod mip_maps;
 mod mitsuba;
 mod obj;

@@ -140,7 +140,7 @@ fn wrong_types_and_values() {
     xml("<bsdf type='twosided'/>", &["twosided"]);
     xml("<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>", &["two"]);
     xml(
-        "<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha' value='0'/></bsdf>",
+        "<bsdf type='roughconductor'><string name='distribution' value='ggx'/><float name='alpha' value='-0.1'/></bsdf>",
         &["alpha"],
     );
     xml(

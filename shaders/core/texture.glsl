@@ -32,6 +32,16 @@ vec4 load_texel(Texture t, ivec2 i) {
     return vec4(decode.at[b.x], decode.at[b.y], decode.at[b.z], linear.w);
 }
 
+// Where on a surface a texture is looked up: its texture coordinates, and the vertices with their weights between which attributes of a mesh are
+// interpolated.
+struct TexturePlace {
+    vec2 uv;
+    uvec3 corners; // NONE where the mesh has no attributes
+    vec3 weights;
+};
+
+TexturePlace place_at(vec2 uv) { return TexturePlace(uv, uvec3(NONE), vec3(0.0)); }
+
 // Where `uv` of a surface lies in the texture.
 vec2 texture_position(Texture t, vec2 uv) { return vec2(dot(t.row_u, vec3(uv, 1.0)), dot(t.row_v, vec3(uv, 1.0))); }
 
@@ -95,17 +105,42 @@ vec4 levels_value(Texture t, vec2 position, float side) {
     return value;
 }
 
-// The value where a path is `side` wide in the surface's texture coordinates; 0 is the point itself.
-vec4 texture_value(Texture t, vec2 uv, float side) {
-    vec2 position = texture_position(t, uv);
-    if (HAS_CHECKERBOARDS && t.kind == TEXTURE_CHECKERBOARD) {
-        bvec2 half_way = greaterThan(fract(position), vec2(0.5));
-        return half_way.x == half_way.y ? t.scale : t.offset;
-    }
-    return (HAS_MIP_MAPS ? levels_value(t, position, side) : filtered_value(t, position)) * t.scale + t.offset;
+Texture load_texture(uint index) { return Textures(scene.textures).at[index]; }
+
+bool is_checkerboard(Texture t) { return HAS_CHECKERBOARDS && t.kind == TEXTURE_CHECKERBOARD; }
+
+// Whether a checkerboard shows its first square there.
+bool shows_first(Texture t, vec2 uv) {
+    bvec2 half_way = greaterThan(fract(texture_position(t, uv)), vec2(0.5));
+    return half_way.x == half_way.y;
 }
 
-Texture load_texture(uint index) { return Textures(scene.textures).at[index]; }
+// The texture that is seen there: of a checkerboard whose square shows another texture, that one.
+Texture texture_seen(Texture t, vec2 uv) {
+    while (HAS_NESTED_TEXTURES && is_checkerboard(t)) {
+        uint inner = shows_first(t, uv) ? t.texels.x : t.texels.y;
+        if (inner == NONE) break;
+        t = load_texture(inner);
+    }
+    return t;
+}
+
+vec4 attribute_value(Texture t, TexturePlace place) {
+    if (place.corners.x == NONE) return vec4(0.0);
+    Vectors4 values = Vectors4(scene.attributes);
+    uvec3 i = t.texels.x + place.corners;
+    return place.weights.x * values.at[i.x] + place.weights.y * values.at[i.y] + place.weights.z * values.at[i.z];
+}
+
+// The value of a texture that is seen where a path is `side` wide in the surface's texture coordinates; 0 is the point itself.
+vec4 texture_value(Texture t, TexturePlace place, float side) {
+    if (is_checkerboard(t)) return shows_first(t, place.uv) ? t.scale : t.offset;
+    vec4 value = vec4(0.0);
+    vec2 position = texture_position(t, place.uv);
+    if (HAS_ATTRIBUTES && t.kind == TEXTURE_ATTRIBUTE) value = attribute_value(t, place);
+    else value = HAS_MIP_MAPS ? levels_value(t, position, side) : filtered_value(t, position);
+    return value * t.scale + t.offset;
+}
 
 // The channel that a scalar texture means.
 float texture_channel(Texture t, vec4 value) {
@@ -113,19 +148,21 @@ float texture_channel(Texture t, vec4 value) {
 }
 
 // Four values, or one, at texture coordinates of the surface; what is not textured is 1.
-vec4 texture_at(uint index, vec2 uv) { return index == NONE ? vec4(1.0) : texture_value(load_texture(index), uv, 0.0); }
+vec4 texture_at(uint index, TexturePlace place) {
+    return index == NONE ? vec4(1.0) : texture_value(texture_seen(load_texture(index), place.uv), place, 0.0);
+}
 
-float texture_scalar(uint index, vec2 uv) {
+float texture_scalar(uint index, TexturePlace place) {
     if (index == NONE) return 1.0;
-    Texture t = load_texture(index);
-    return texture_channel(t, texture_value(t, uv, 0.0));
+    Texture t = texture_seen(load_texture(index), place.uv);
+    return texture_channel(t, texture_value(t, place, 0.0));
 }
 
 // Change of a scalar texture per unit of the surface's texture coordinates; that of bilinear interpolation, which is
-// piecewise smooth. A checkerboard has none, and neither has a single texel.
+// piecewise smooth. A checkerboard has none, and neither has a single texel, or an attribute, which knows no texture coordinates.
 vec2 texture_gradient(uint index, vec2 uv) {
-    Texture t = load_texture(index);
-    if (HAS_CHECKERBOARDS && t.kind == TEXTURE_CHECKERBOARD) return vec2(0.0);
+    Texture t = texture_seen(load_texture(index), uv);
+    if (is_checkerboard(t) || HAS_ATTRIBUTES && t.kind == TEXTURE_ATTRIBUTE) return vec2(0.0);
     Footprint f = texture_footprint(t, texture_position(t, uv), false);
     if (t.width * t.height == 1u) f.texels = 0u;
     vec2 g = vec2(0.0);

@@ -19,7 +19,7 @@ bool has_environment() { return HAS_ENVIRONMENT && scene.background_texture != N
 
 vec3 background_radiance(vec3 direction) {
     if (!has_environment()) return scene.background;
-    return scene.background * texture_at(scene.background_texture, background_uv(direction)).rgb;
+    return scene.background * texture_at(scene.background_texture, place_at(background_uv(direction))).rgb;
 }
 
 // Density over solid angle of a place in the image, whose cells are uniform in texture coordinates: those stretch by

@@ -19,9 +19,9 @@ struct LightSample {
 LightSample no_light() { return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), vec3(0.0), 0.0, false, false, 0.0); }
 
 // What the textures of a surface leave of its emission: what it lets through, it does not emit.
-vec3 emission_factor(Surface surface, vec2 uv, float alpha) {
-    float opacity = surface_opacity(surface, uv, alpha);
-    return surface.emission_texture == NONE ? vec3(opacity) : opacity * texture_at(surface.emission_texture, uv).rgb;
+vec3 emission_factor(Surface surface, TexturePlace place, float alpha) {
+    float opacity = surface_opacity(surface, place, alpha);
+    return surface.emission_texture == NONE ? vec3(opacity) : opacity * texture_at(surface.emission_texture, place).rgb;
 }
 
 // A world direction in the light's own frame, whose +z is its axis.

@@ -12,7 +12,7 @@ LightSample projector_light_sample(Light light, vec3 p) {
     // As a camera there would see it: +x of the light's space is left in the image, +y up. v2: tangents of half the angles.
     vec2 uv = 0.5 - 0.5 * local.xy / (local.z * light.v2.xy);
     bool lit = local.z > 0.0 && all(greaterThanEqual(uv, vec2(0.0))) && all(lessThanEqual(uv, vec2(1.0)));
-    vec3 irradiance = lit ? light.radiance * texture_at(light.source, uv).rgb / (distance2 * local.z * local.z * local.z) : vec3(0.0);
+    vec3 irradiance = lit ? light.radiance * texture_at(light.source, place_at(uv)).rgb / (distance2 * local.z * local.z * local.z) : vec3(0.0);
     return LightSample(wi, light.position, irradiance / light.probability, 1.0, true, false,
                        light.emission_probability * projector_pdf(light, local.z) / (light.probability * distance2));
 }
@@ -27,7 +27,7 @@ EmittedRay projector_light_emit(Light light, vec2 u) {
                   local.z * vec3(f.at[i + 6u], f.at[i + 7u], f.at[i + 8u]);
     e.pdf_w = projector_pdf(light, local.z);
     // Irradiance times area of the image: intensity E / cos^3 over the density.
-    e.power = light.radiance * texture_at(light.source, u).rgb * (4.0 * light.v2.x * light.v2.y / light.emission_probability);
+    e.power = light.radiance * texture_at(light.source, place_at(u)).rgb * (4.0 * light.v2.x * light.v2.y / light.emission_probability);
     e.delta = true;
     return e;
 }

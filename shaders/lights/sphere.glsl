@@ -5,7 +5,7 @@
 vec3 sphere_light_factor(Light light, vec3 outward) {
     Interaction at;
     sphere_uv(Primitive(light.position, light.v1, light.v2, SPHERE_BIT), outward, at);
-    return emission_factor(load_surface(light.source), at.uv, 1.0);
+    return emission_factor(load_surface(light.source), place_at(at.uv), 1.0);
 }
 
 LightSample sphere_light_sample(Light light, vec3 p, vec2 u) {

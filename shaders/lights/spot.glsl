@@ -16,7 +16,7 @@ vec3 spot_intensity(Light light, vec3 away) {
     if (HAS_TEXTURED_SPOTS && light.source != NONE) {
         vec3 local = light_space(light, away);
         vec2 uv = 0.5 + 0.5 * local.xy / (local.z * tan(cutoff));
-        light.radiance *= local.z > 0.0 ? texture_at(light.source, uv).rgb : vec3(0.0);
+        light.radiance *= local.z > 0.0 ? texture_at(light.source, place_at(uv)).rgb : vec3(0.0);
     }
     return light.radiance * falloff;
 }

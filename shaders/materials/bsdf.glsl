@@ -44,15 +44,15 @@ struct Bsdf {
 
 #include "materials/properties.glsl"
 
-// The material at texture coordinates, where a path is `side` wide in them. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
+// The material at a place of a surface, where a path is `side` wide in them. A blend is one of its two materials, by chance: what is linear in the BSDF keeps its
 // mean, and no lobe of either needs to know the other.
-Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler random) {
+Bsdf bsdf_at(uint material, TexturePlace place, float side, vec4 colour, inout Sampler random) {
     Bsdf b;
     b.m = load_material(material);
     if (HAS_BLENDS) {
         while (b.m.kind == MATERIAL_BLEND) {
             Blend blend = Blends(scene.blends).at[b.m.detail];
-            float weight = clamp(blend.weight * texture_scalar(blend.weight_texture, uv), 0.0, 1.0);
+            float weight = clamp(blend.weight * texture_scalar(blend.weight_texture, place), 0.0, 1.0);
             b.m = load_material(next4(random).x < weight ? blend.second : blend.first);
         }
     }
@@ -61,7 +61,7 @@ Bsdf bsdf_at(uint material, vec2 uv, float side, vec4 colour, inout Sampler rand
     if (HAS_COLOURS && (b.m.flags & MATERIAL_HAS_COLOURS) != 0u) b.m.reflectance *= colour.rgb;
     if (!HAS_MATERIAL_TEXTURES || b.m.textures == NONE) return b;
 
-    apply_textures(b, uv, side);
+    apply_textures(b, place, side);
     return b;
 }
 

@@ -7,12 +7,12 @@ float textured_roughness(Bsdf b, float roughness) { return max(roughness, ROUGHN
 #include "generated/properties.glsl"
 
 // The properties at texture coordinates, where a path is `side` wide in them.
-void apply_textures(inout Bsdf b, vec2 uv, float side) {
+void apply_textures(inout Bsdf b, TexturePlace place, float side) {
     MaterialTextures t = TextureSets(scene.material_textures).at[b.m.textures];
     for (uint i = t.first; i < t.first + t.count; i++) {
         PropertyTexture own = PropertyTextures(scene.property_textures).at[i];
-        Texture source = load_texture(own.texture);
-        vec4 value = texture_value(source, uv, is_linear(own.property) ? side : 0.0);
+        Texture source = texture_seen(load_texture(own.texture), place.uv);
+        vec4 value = texture_value(source, place, is_linear(own.property) ? side : 0.0);
         multiply_property(b, own.property, value, texture_channel(source, value));
     }
 }

@@ -15,7 +15,11 @@ struct Interaction {
     vec3 dp_dv;
     vec4 tangent;        // of normal maps: direction and sign of the bitangent; zero where it follows dp_du
     vec4 colour;         // vertex colour
+    uvec3 corners;       // indices of the vertices' attributes that textures show, NONE where there are none
+    vec3 weights;        // of these vertices
 };
+
+TexturePlace place_of(Interaction at) { return TexturePlace(at.uv, at.corners, at.weights); }
 
 // Texture coordinates of a sphere (azimuth around its axis, angle from its pole) and the position's change with them. Its
 // orientation is a quaternion, mirrored where v1.y is negative.
@@ -44,13 +48,17 @@ void triangle_attributes(Primitive p, Hit hit, inout Interaction at) {
     bool has_tangents = HAS_TANGENTS && (p.surface & TANGENT_BIT) != 0u;
     bool has_colours = HAS_COLOURS && scene.colours != uvec2(0u);
     Corners corners = Corners(0u, 0u, 0u);
-    if (has_uvs || has_colours || has_tangents) corners = Triples(scene.corners).at[hit.primitive];
+    if (has_uvs || has_colours || has_tangents || HAS_ATTRIBUTES) corners = Triples(scene.corners).at[hit.primitive];
     if (has_uvs) {
         Vectors2 uvs = Vectors2(scene.uvs);
         uv0 = uvs.at[corners.i0], uv1 = uvs.at[corners.i1], uv2 = uvs.at[corners.i2];
     }
     vec3 b = vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv);
     at.uv = b.x * uv0 + b.y * uv1 + b.z * uv2;
+    if (HAS_ATTRIBUTES) {
+        at.corners = uvec3(corners.i0, corners.i1, corners.i2);
+        at.weights = b;
+    }
     if (has_colours && corners.i0 != NONE) {
         Vectors4 colours = Vectors4(scene.colours);
         at.colour = b.x * colours.at[corners.i0] + b.y * colours.at[corners.i1] + b.z * colours.at[corners.i2];
@@ -94,6 +102,8 @@ Interaction interaction_at(Ray ray, Hit hit) {
     at.dp_dv = vec3(0.0);
     at.tangent = vec4(0.0);
     at.colour = vec4(1.0);
+    at.corners = uvec3(NONE);
+    at.weights = vec3(0.0);
 
     vec3 origin = ray.origin;
     vec3 direction = ray.direction;

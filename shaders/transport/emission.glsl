@@ -8,7 +8,7 @@ vec3 vertex_emission(Vertex v, Ray ray) {
     if (behind && !(HAS_LIGHTS_BEHIND && (v.surface.flags & SURFACE_EMITS_BEHIND) != 0u)) return vec3(0.0);
     vec3 emission = v.surface.emission;
     if (HAS_TEXTURED_LIGHTS && v.surface.emission_texture != NONE && emission != vec3(0.0))
-        emission *= texture_at(v.surface.emission_texture, v.at.uv).rgb;
+        emission *= texture_at(v.surface.emission_texture, place_of(v.at)).rgb;
     return emission;
 }
 

@@ -15,7 +15,7 @@ Basis shading_basis(Interaction at, Material m, inout bool mapped) {
     MaterialTextures t = TextureSets(scene.material_textures).at[m.textures];
     vec3 normal = basis.normal;
     if (HAS_NORMAL_MAPS && t.normal != NONE) {
-        vec3 n = 2.0 * texture_at(t.normal, at.uv).xyz - 1.0;
+        vec3 n = 2.0 * texture_at(t.normal, place_of(at)).xyz - 1.0;
         n.xy *= t.normal_scale;
         Basis base = basis;
         if (at.tangent.w != 0.0) {

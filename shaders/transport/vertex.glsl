@@ -89,7 +89,7 @@ float slope_shadowing(Vertex v, vec3 light) {
 
 // The vertex's material; turns the frame round where the path came to the back of something that reflects only.
 Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
-    Bsdf b = bsdf_at(v.material, v.at.uv, v.side, v.at.colour, random);
+    Bsdf b = bsdf_at(v.material, place_of(v.at), v.side, v.at.colour, random);
     if (HAS_TANGENTS && (b.m.flags & MATERIAL_HAS_TANGENTS) != 0u) {
         v.basis = shading_basis(v.at, b.m, v.mapped);
         v.shadowed = HAS_SHADOWED_NORMALS && v.mapped && (b.m.flags & MATERIAL_SHADOWS_NORMALS) != 0u;
@@ -148,7 +148,7 @@ Ray ray_between(vec3 origin, vec3 target) {
     return Ray(origin, d / distance, distance * (1.0 - gamma(8.0)));
 }
 
-float vertex_opacity(Vertex v) { return surface_opacity(v.surface, v.at.uv, v.at.colour.a); }
+float vertex_opacity(Vertex v) { return surface_opacity(v.surface, place_of(v.at), v.at.colour.a); }
 
 // The vertex as what lights shine on.
 ReferencePoint vertex_reference(Vertex v, Bsdf b) { return ReferencePoint(v.at.position, v.turned * v.basis.normal, bsdf_transmits(b)); }

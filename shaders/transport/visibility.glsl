@@ -19,7 +19,7 @@ bool trace_visible(inout Ray ray, bool from_camera, out Hit hit, out Interaction
         if (found) {
             at = interaction_at(ray, hit);
             if (HAS_MASKS || HIDES_EMITTERS) {
-                float opacity = is_hidden(from_camera, at.surface) ? 0.0 : HAS_MASKS ? surface_opacity(load_surface(at.surface), at.uv, at.colour.a) : 1.0;
+                float opacity = is_hidden(from_camera, at.surface) ? 0.0 : HAS_MASKS ? surface_opacity(load_surface(at.surface), place_of(at), at.colour.a) : 1.0;
                 passing = opacity < 1.0 && (opacity == 0.0 || next4(random).x >= opacity);
                 if (passing) ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
             }
@@ -45,7 +45,7 @@ float trace_transmittance(Ray ray, bool to_camera, inout uint rays) {
         rays += 1u;
         if (blocked && !first) {
             Interaction at = interaction_at(ray, hit);
-            through *= is_hidden(to_camera, at.surface) ? 1.0 : HAS_MASKS ? 1.0 - surface_opacity(load_surface(at.surface), at.uv, at.colour.a) : 0.0;
+            through *= is_hidden(to_camera, at.surface) ? 1.0 : HAS_MASKS ? 1.0 - surface_opacity(load_surface(at.surface), place_of(at), at.colour.a) : 0.0;
             blocked = through > 0.0;
             ray.origin = offset_origin(at.position, at.margin, at.normal, ray.direction);
             ray.t_max = distant ? INFINITY : max(0.0, dot(end - ray.origin, ray.direction));

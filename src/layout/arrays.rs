@@ -24,6 +24,8 @@ macro_rules! scene_arrays {
                 tangents: vec4 in Vectors4, "tangents" if tangents;
                 /// Vertex colours, linear red, green and blue, and opacity.
                 colours: vec4 in Vectors4, "vertex colours" if colours;
+                /// Attributes of vertices that textures show, one after the other: each has a value for every vertex.
+                attributes: vec4 in Vectors4, "vertex attributes" if attributes;
                 /// What primitives are made of and what they emit.
                 surfaces: Surface in Surfaces, "surfaces";
                 /// The parameters of the BSDFs.

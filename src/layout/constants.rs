@@ -64,6 +64,8 @@ shared_constants! {
     pub const TEXTURE_IMAGE = 0;
     /// A texture of two colours in squares.
     pub const TEXTURE_CHECKERBOARD = 1;
+    /// A texture that shows an attribute of a mesh.
+    pub const TEXTURE_ATTRIBUTE = 2;
     /// Texels of four bytes: sRGB red, green and blue, linear alpha.
     pub const TEXELS_SRGB8 = 0;
     /// Texels of four bytes, linear.

@@ -38,6 +38,10 @@ macro_rules! features {
             colours HAS_COLOURS: bool "vertex colours",
                 of |scene, census| shows_colours(scene, census),
                 unspecialised |_| true;
+            /// Some texture shows an attribute of a mesh.
+            attributes HAS_ATTRIBUTES: bool "vertex attributes",
+                of |scene, _| !scene.attributes.is_empty(),
+                unspecialised |_| true;
             /// Some surface has a material on its back.
             back_materials HAS_BACK_MATERIALS: bool "two-sided surfaces",
                 of |scene, _| scene.surfaces.iter().any(|surface| surface.back != NONE),
@@ -85,6 +89,10 @@ macro_rules! features {
             /// Some texture is a checkerboard.
             checkerboards HAS_CHECKERBOARDS: bool "checkerboards",
                 of |scene, _| scene.textures.iter().any(|texture| texture.kind == TEXTURE_CHECKERBOARD),
+                unspecialised |_| true;
+            /// Some texture shows others.
+            nested_textures HAS_NESTED_TEXTURES: bool "nested textures",
+                of |scene, _| scene.textures.iter().any(|texture| texture.kind == TEXTURE_CHECKERBOARD && texture.texels != [NONE; 2]),
                 unspecialised |_| true;
             /// Some image has smaller levels of detail, which materials are filtered with: a choice for the scene rather than a need.
             mip_maps HAS_MIP_MAPS: bool "mip maps",

@@ -195,13 +195,14 @@ shared_structs! {
         is_volume: uint,
     }
 
-    /// Values over texture coordinates: texels, or a pattern.
+    /// Values over a surface: texels, a pattern, or what a mesh has at its vertices.
     pub struct Texture {
         /// One of the `TEXTURE_*` kinds.
         kind: uint,
         /// One of the `TEXELS_*` formats.
         format: uint,
-        /// Device address of the texels, row by row from the first.
+        /// Device address of the texels, row by row from the first. Of an attribute: the index of the first vertex's value, then nothing. Of a checkerboard:
+        /// the textures that its squares show instead of a colour, or [`NONE`].
         texels: uvec2,
         /// Texels across.
         width: uint,

@@ -23,7 +23,7 @@ use glam::{DAffine3, DVec3, Vec3};
 
 pub use arrays::DeviceArray;
 pub use description::{
-    Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
+    Attribute, Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
     camera, filter, light, material, texture,
 };
 pub use load::{LoadOptions, SceneFormat, load};

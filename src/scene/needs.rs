@@ -48,6 +48,7 @@ fn reads_uvs(scene: &Scene, census: &Census) -> bool {
         || census.flags & MATERIAL_HAS_TANGENTS != 0
         || scene.surfaces.iter().any(|surface| surface.opacity_texture != NONE || emits_by_texture(surface))
         || shows_colours(scene, census)
+        || !scene.attributes.is_empty()
 }
 
 /// What the materials are that surfaces have, alone or in blends.

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::Run;
-use super::families::FAMILIES;
+use super::families::{FAMILIES, is_thin};
 use super::figure::{Figure, Worst};
 use super::geometry::Random;
 use super::sampling::{Rings, chi_square_z, direction, spread};
@@ -151,7 +151,7 @@ pub(super) fn energy(run: &mut Run) -> Result<()> {
         let transmits = materials[index * steps].transmits();
         let u = if name.starts_with("compensated") { &many } else { &few };
         for cos in COSINES.into_iter().chain(COSINES.map(|cos| -cos)).filter(|cos| *cos > 0.0 || transmits) {
-            let (first, thin) = (index * steps, *name == "layered wall");
+            let (first, thin) = (index * steps, is_thin(name));
             let all: Vec<Asked> =
                 (first..first + steps).map(|id| Asked { id, material: &materials[id], thin }).collect();
             let found = albedos(&probe, &all, direction(cos, 0.7), u)?.into_iter().map(|[first, ..]| first);
@@ -183,7 +183,7 @@ pub(super) fn reciprocity(run: &mut Run) -> Result<()> {
         let (mut worst, mut compared) = (Worst::default(), 0);
         for (step, rough) in roughness.iter().enumerate() {
             let id = index * roughness.len() + step;
-            let (of, thin) = (&materials[id], *name == "layered wall");
+            let (of, thin) = (&materials[id], is_thin(name));
             let asked = Asked { id, material: of, thin };
             let mut pairs: Vec<[[f32; 3]; 2]> = (0..run.pick(20_000, 4000))
                 .map(|_| [0; 2].map(|_| direction(2.0 * random.next() as f32 - 1.0, TAU as f32 * random.next() as f32)))

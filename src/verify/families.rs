@@ -72,3 +72,8 @@ pub const FAMILIES: &[Family] = &[
         1.002,
     ),
 ];
+
+/// Whether light passes a family without a change of medium, as through a sheet.
+pub fn is_thin(name: &str) -> bool {
+    name == "layered wall" || name.starts_with("principled thin")
+}

@@ -14,7 +14,7 @@ void main() {
     if (index >= frame.slot_count) return;
     BsdfQuery q = BsdfQueries(PROBE_INPUT).at[index];
     Sampler random = Sampler(index, 0u, 0u, frame.seed);
-    Bsdf b = bsdf_at(q.material, vec2(0.0), 0.0, vec4(1.0), random);
+    Bsdf b = bsdf_at(q.material, place_at(vec2(0.0)), 0.0, vec4(1.0), random);
     BsdfSample s = bsdf_sample(b, q.wo, q.u);
     BsdfAnswers(PROBE_OUTPUT).at[index] =
         BsdfAnswer(bsdf_eval(b, q.wo, q.wi), bsdf_pdf(b, q.wo, q.wi), s.wi, s.weight, s.pdf_w, bsdf_eval(b, q.wo, s.wi),

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DQuat, Vec3, Vec4};
 
 use super::light::importance;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, all_of};
 use crate::layout::{
     Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_EMITS_BEHIND,
     SURFACE_HAS_ALPHA_COLOURS, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
@@ -49,6 +49,12 @@ pub(super) struct Flat {
     pub uvs: Vec<[f32; 2]>,
     pub tangents: Vec<[f32; 4]>,
     pub colours: Vec<[f32; 4]>,
+    /// What textures show of vertices, attribute by attribute.
+    pub attributes: Vec<Vec<[f32; 4]>>,
+    /// The names of these.
+    names: Vec<String>,
+    /// Which of them each surface shows.
+    shown: Vec<Vec<usize>>,
     pub surfaces: Vec<Surface>,
     /// The shapes of each group.
     pub shapes: Vec<NamedShape>,
@@ -64,8 +70,9 @@ pub(super) struct Flat {
 }
 
 impl Flat {
-    /// With one surface per description; `transmits` says of each material whether light passes through it.
-    pub fn new(descriptions: &[SurfaceDescription], transmits: &[bool]) -> Self {
+    /// With one surface per description; `transmits` says of each material whether light passes through it, `shown` of each surface which of the
+    /// attributes of those names it shows.
+    pub fn new(descriptions: &[SurfaceDescription], transmits: &[bool], names: Vec<String>, shown: Vec<Vec<usize>>) -> Self {
         let side = |side: Side| side.map_or(NONE, |material| material as u32);
         let surfaces = descriptions
             .iter()
@@ -74,7 +81,7 @@ impl Flat {
                 let glass = description.front.filter(|front| transmits[*front]);
                 Surface {
                     front: side(description.front),
-                    back: side(glass.or(description.back)),
+                    back: side(description.back.or(glass)),
                     emission: description.emission.map(|channel| channel as f32),
                     light_density: 0.0,
                     light_trail: 0,
@@ -97,6 +104,9 @@ impl Flat {
             uvs: Vec::new(),
             tangents: Vec::new(),
             colours: Vec::new(),
+            attributes: vec![Vec::new(); names.len()],
+            names,
+            shown,
             surfaces,
             shapes: Vec::new(),
             groups: 0,
@@ -136,6 +146,13 @@ impl Flat {
                     self.add_mesh(source, &name, &mesh, to_local * to_group, surface, emits)?
                 }
                 Shape::Sphere { centre, radius, axes } => {
+                    if let Some(first) = self.shown[surface].first() {
+                        let message = format!(
+                            "sphere '{name}': its material shows the mesh attribute '{}', and a sphere has none",
+                            self.names[*first]
+                        );
+                        return Err(Error::scene(source, message));
+                    }
                     let centre = to_local.transform_point3(centre).as_vec3();
                     spheres.push((centre, radius as f32, axes, surface, emits, self.shapes.len()))
                 }
@@ -185,7 +202,10 @@ impl Flat {
             ("texture coordinates", mesh.uvs.len()),
             ("tangents", mesh.tangents.len()),
             ("colours", mesh.colours.len()),
-        ] {
+        ]
+        .into_iter()
+        .chain(mesh.attributes.iter().map(|own| (own.name.as_str(), own.values.len())))
+        {
             if given != 0 && given != count {
                 return Err(format!("{given} {what} for {count} vertices"));
             }
@@ -223,7 +243,15 @@ impl Flat {
             self.colours.resize(base, [1.0; 4]);
             self.colours.extend(mesh.colours.iter().map(|colour| colour.to_array()));
         }
-        if flags != 0 || !mesh.colours.is_empty() {
+        let mut has_attributes = false;
+        for (name, values) in self.names.iter().zip(&mut self.attributes) {
+            if let Some(own) = mesh.attributes.iter().find(|own| own.name == *name) {
+                values.resize(base, [0.0; 4]);
+                values.extend(own.values.iter().map(|value| value.to_array()));
+                has_attributes = true;
+            }
+        }
+        if flags != 0 || !mesh.colours.is_empty() || has_attributes {
             self.vertices += count;
         }
         Ok(flags)
@@ -248,6 +276,7 @@ impl Flat {
         if !self.colours.is_empty() {
             self.colours.resize(count, [1.0; 4]);
         }
+        self.attributes.iter_mut().for_each(|values| values.resize(count, [0.0; 4]));
     }
 
     fn add_mesh(
@@ -270,6 +299,13 @@ impl Flat {
         let positions: Vec<Vec3> =
             mesh.positions.iter().map(|position| to_local.transform_point3(*position).as_vec3()).collect();
         let first_normal = self.vertices as u32;
+        let lacks = |index: &&usize| mesh.attributes.iter().all(|own| own.name != self.names[**index]);
+        if let Some(index) = self.shown.get(surface).and_then(|shown| shown.iter().find(lacks)) {
+            let own: Vec<&str> = mesh.attributes.iter().map(|own| own.name.as_str()).collect();
+            let own = if own.is_empty() { String::from("it has none") } else { format!("it has {}", all_of(own)) };
+            let name = &self.names[*index];
+            return Err(wrong(format!("its material shows the mesh attribute '{name}', which it does not have; {own}")));
+        }
         let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
         let smooth = flags & SMOOTH_BIT;
         let has_attributes = self.vertices as u32 > first_normal;

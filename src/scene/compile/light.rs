@@ -128,7 +128,15 @@ pub(super) fn textured_share(
 fn texture_mean(description: &SceneBuilder, texture: u32) -> [f64; 3] {
     let texture = &description.textures[texture as usize];
     match texture.pattern {
-        Pattern::Checkerboard(a, b) => [0, 1, 2].map(|channel| 0.5 * f64::from(a[channel] + b[channel])),
+        Pattern::Checkerboard(a, b) => {
+            let square = |index: usize, colour: [f32; 3]| match texture.squares[index] {
+                Some(inner) => texture_mean(description, inner),
+                None => colour.map(f64::from),
+            };
+            let (a, b) = (square(0, a), square(1, b));
+            [0, 1, 2].map(|channel| 0.5 * (a[channel] + b[channel]))
+        }
+        Pattern::Attribute(_) => [1.0; 3], // no light shows one
         Pattern::Image(image) => {
             let mean = description.images[image].mean();
             [0, 1, 2].map(|i| (mean[i] * f64::from(texture.scale[i]) + f64::from(texture.offset[i])).max(0.0))

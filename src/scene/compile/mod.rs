@@ -2,6 +2,7 @@
 //! origin, without what is degenerate, checked, and with the tables that lights and materials are sampled by.
 
 pub(crate) mod alias;
+mod attributes;
 pub mod compensation;
 mod environment;
 mod flatten;
@@ -53,7 +54,8 @@ impl SceneBuilder {
         let origin = choose_origin(extent, self.cameras[0].to_world.translation);
 
         let transmits: Vec<bool> = self.materials.iter().map(MaterialDescription::transmits).collect();
-        let mut flat = Flat::new(&self.surfaces, &transmits);
+        let shown = attributes::of_surfaces(&self)?;
+        let mut flat = Flat::new(&self.surfaces, &transmits, std::mem::take(&mut self.attributes), shown);
         let groups = std::mem::take(&mut self.groups);
         let mut placed = Vec::new();
         for (index, group) in groups.into_iter().enumerate() {
@@ -126,7 +128,7 @@ impl SceneBuilder {
         for camera in &mut self.cameras {
             camera.to_world.translation -= origin;
         }
-        let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images)).collect();
+        let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images, flat.vertices)).collect();
         if self.mip_maps {
             mip_maps::add(&mut self.images, &mut textures, &records.property_textures);
         }
@@ -141,6 +143,7 @@ impl SceneBuilder {
             uvs: flat.uvs,
             tangents: flat.tangents,
             colours: flat.colours,
+            attributes: flat.attributes.concat(),
             surfaces: flat.surfaces,
             material_names: (0..records.materials.len()).map(|index| self.names.remove(&index)).collect(),
             materials: records.materials,

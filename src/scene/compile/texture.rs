@@ -2,8 +2,8 @@
 
 use crate::image::{Texels, TextureImage};
 use crate::layout::{
-    self, FILTER_NEAREST_BIT, TEXELS_FLOAT, TEXELS_LINEAR8, TEXELS_SRGB8, TEXTURE_CHECKERBOARD, TEXTURE_IMAGE,
-    WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
+    self, FILTER_NEAREST_BIT, NONE, TEXELS_FLOAT, TEXELS_LINEAR8, TEXELS_SRGB8, TEXTURE_ATTRIBUTE,
+    TEXTURE_CHECKERBOARD, TEXTURE_IMAGE, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
 };
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
@@ -19,8 +19,8 @@ impl Texels {
 }
 
 impl TextureDescription {
-    /// As shaders take it. `texels` holds the image's index, for which the upload puts the address.
-    pub(super) fn entry(&self, images: &[TextureImage]) -> layout::Texture {
+    /// As shaders take it. `texels` holds the image's index, for which the upload puts the address; `vertices` have attributes.
+    pub(super) fn entry(&self, images: &[TextureImage], vertices: usize) -> layout::Texture {
         let wrap = |wrap: Wrap| match wrap {
             Wrap::Repeat => WRAP_REPEAT,
             Wrap::Mirror => WRAP_MIRROR,
@@ -48,11 +48,22 @@ impl TextureDescription {
             },
             Pattern::Checkerboard([r, g, b], [p, q, s]) => layout::Texture {
                 kind: TEXTURE_CHECKERBOARD,
+                texels: self.squares.map(|square| square.unwrap_or(NONE)),
                 scale: [r, g, b, 1.0],
                 offset: [p, q, s, 1.0],
                 width: 1,
                 height: 1,
                 levels: 1,
+                ..common
+            },
+            Pattern::Attribute(index) => layout::Texture {
+                kind: TEXTURE_ATTRIBUTE,
+                texels: [(index * vertices) as u32, 0],
+                width: 1,
+                height: 1,
+                levels: 1,
+                scale: self.scale,
+                offset: self.offset,
                 ..common
             },
         }

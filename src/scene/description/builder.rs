@@ -45,6 +45,8 @@ pub struct SceneBuilder {
     pub warnings: Vec<String>,
     pub(in crate::scene) images: Vec<TextureImage>,
     pub(in crate::scene) textures: Vec<TextureDescription>,
+    /// The names of the attributes of meshes that textures show.
+    pub(in crate::scene) attributes: Vec<String>,
     pub(in crate::scene) materials: Vec<MaterialDescription>,
     /// Their names in the file, where they have any.
     pub(in crate::scene) names: HashMap<usize, String>,
@@ -80,6 +82,7 @@ impl SceneBuilder {
             warnings: Vec::new(),
             images: Vec::new(),
             textures: Vec::new(),
+            attributes: Vec::new(),
             materials: Vec::new(),
             names: HashMap::new(),
             blends: Vec::new(),
@@ -112,6 +115,14 @@ impl SceneBuilder {
         self.images.len() - 1
     }
 
+    /// The index of an attribute of meshes, for a texture to show.
+    pub fn attribute(&mut self, name: &str) -> usize {
+        self.attributes.iter().position(|known| known == name).unwrap_or_else(|| {
+            self.attributes.push(name.to_owned());
+            self.attributes.len() - 1
+        })
+    }
+
     /// Adds a texture.
     pub fn texture(&mut self, texture: TextureDescription) -> u32 {
         self.textures.push(texture);
@@ -137,7 +148,7 @@ impl SceneBuilder {
     /// Texels of a texture's image across and down; 1 x 1 of a pattern.
     pub(in crate::scene) fn texture_size(&self, texture: u32) -> [u32; 2] {
         match self.textures[texture as usize].pattern {
-            Pattern::Checkerboard(..) => [1; 2],
+            Pattern::Checkerboard(..) | Pattern::Attribute(_) => [1; 2],
             Pattern::Image(image) => self.image_size(image),
         }
     }

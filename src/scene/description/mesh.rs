@@ -10,6 +10,15 @@ use crate::error::{Error, Result};
 /// Segments that stand for a full turn of a disk or a cylinder.
 const SEGMENTS: u32 = 256;
 
+/// Values at the vertices of a mesh that a texture may show.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    /// What textures ask for.
+    pub name: String,
+    /// One value per vertex: red, green, blue and alpha, or one number in the first three.
+    pub values: Vec<Vec4>,
+}
+
 /// Triangles with shared vertices.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
@@ -24,6 +33,8 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// One colour per vertex, linear red, green, blue and alpha, or none at all.
     pub colours: Vec<Vec4>,
+    /// What else it has at its vertices, for textures to show.
+    pub attributes: Vec<Attribute>,
     /// Three vertex indices per triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -134,6 +145,25 @@ impl Mesh {
             self.uvs.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
         }
         self
+    }
+
+    /// The mesh with vertices that no two triangles share, as what differs from face to face needs them.
+    #[must_use]
+    pub fn split(self) -> Self {
+        fn of<T: Copy>(values: &[T], corners: &[u32]) -> Vec<T> {
+            corners.iter().filter_map(|corner| values.get(*corner as usize).copied()).collect()
+        }
+        let corners = self.triangles.as_flattened();
+        let attributes = self.attributes.iter().map(|own| Attribute { name: own.name.clone(), values: of(&own.values, corners) });
+        Self {
+            positions: of(&self.positions, corners),
+            normals: of(&self.normals, corners),
+            uvs: of(&self.uvs, corners),
+            tangents: of(&self.tangents, corners),
+            colours: of(&self.colours, corners),
+            attributes: attributes.collect(),
+            triangles: (0..self.triangles.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
+        }
     }
 
     /// Vertex normals: the faces' normals weighted by the angle that they have at the vertex (Thuermer and Wuethrich 1998).

@@ -18,6 +18,6 @@ pub use camera::Camera;
 pub use filter::Filter;
 pub(super) use group::{Group, Shape, union};
 pub(super) use limits::ELEMENTS;
-pub use mesh::Mesh;
+pub use mesh::{Attribute, Mesh};
 pub use request::{FilmSettings, LightSelection, TechniqueRequest};
 pub use surface::{Mask, Side, SurfaceDescription};

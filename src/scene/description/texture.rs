@@ -19,6 +19,8 @@ pub enum Pattern {
     Image(usize),
     /// Squares of two colours: half of the unit square along each axis.
     Checkerboard([f32; 3], [f32; 3]),
+    /// What a mesh has at its vertices: an index from [`SceneBuilder::attribute`](super::SceneBuilder::attribute).
+    Attribute(usize),
 }
 
 /// A texture.
@@ -26,6 +28,8 @@ pub enum Pattern {
 pub struct TextureDescription {
     /// What it shows.
     pub pattern: Pattern,
+    /// Of a checkerboard: textures that its squares show instead of their colour.
+    pub squares: [Option<u32>; 2],
     /// What lies outside of an image, across and down.
     pub wrap: [Wrap; 2],
     /// The nearest texel instead of bilinear interpolation.
@@ -45,6 +49,7 @@ impl TextureDescription {
     pub fn new(pattern: Pattern) -> Self {
         Self {
             pattern,
+            squares: [None; 2],
             wrap: [Wrap::Repeat; 2],
             nearest: false,
             channel: 4,

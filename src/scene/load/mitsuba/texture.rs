@@ -12,7 +12,7 @@ use crate::image::{Encoding, read_texture};
 use crate::layout::NONE;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
-const SUPPORTED: [&str; 2] = ["bitmap", "checkerboard"];
+const SUPPORTED: [&str; 3] = ["bitmap", "checkerboard", "mesh_attribute"];
 const WRAPS: [(&str, Wrap); 3] = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
 
 impl Loader {
@@ -24,12 +24,21 @@ impl Loader {
         let mut texture = match object.plugin.as_str() {
             "bitmap" => self.bitmap(object)?,
             "checkerboard" => {
-                let colours = [("color0", 0.4), ("color1", 0.2)].map(|(name, default)| {
-                    Ok(object.colour(name, Colour::Reflectance, default)?.map(|channel| channel as f32))
-                });
-                let [first, second] = colours;
-                TextureDescription::new(Pattern::Checkerboard(first?, second?))
+                let mut colours = [[1.0; 3]; 2];
+                let mut squares = [None; 2];
+                for (index, (name, default)) in [("color0", 0.4), ("color1", 0.2)].into_iter().enumerate() {
+                    match object.texture(name) {
+                        Some(texture) => squares[index] = Some(self.make_texture(&texture)?),
+                        None => {
+                            let colour = object.colour(name, Colour::Reflectance, default)?;
+                            colours[index] = colour.map(|channel| channel as f32);
+                        }
+                    }
+                }
+                let pattern = Pattern::Checkerboard(colours[0], colours[1]);
+                TextureDescription { squares, ..TextureDescription::new(pattern) }
             }
+            "mesh_attribute" => self.mesh_attribute(object)?,
             _ if object.constant.is_some() => {
                 let value = object.constant_colour(Colour::Unbounded)?.map(|channel| channel as f32);
                 TextureDescription::new(Pattern::Checkerboard(value, value))
@@ -47,6 +56,18 @@ impl Loader {
     pub(super) fn constant_texture(&mut self, colour: [f64; 3]) -> u32 {
         let colour = colour.map(|channel| channel as f32);
         self.builder.texture(TextureDescription::new(Pattern::Checkerboard(colour, colour)))
+    }
+
+    fn mesh_attribute(&mut self, object: &Rc<Object>) -> Result<TextureDescription> {
+        let name = object
+            .optional_text("name")?
+            .ok_or_else(|| object.error("a mesh_attribute needs the 'name' of an attribute, vertex_... or face_..."))?;
+        if !name.starts_with("vertex_") && !name.starts_with("face_") {
+            return Err(object.property_error("name", format!("'{name}' begins neither with vertex_ nor with face_")));
+        }
+        let scale = object.float("scale", 1.0)? as f32;
+        let attribute = self.builder.attribute(name);
+        Ok(TextureDescription { scale: [scale; 4], ..TextureDescription::new(Pattern::Attribute(attribute)) })
     }
 
     fn bitmap(&mut self, object: &Rc<Object>) -> Result<TextureDescription> {

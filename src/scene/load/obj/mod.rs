@@ -224,5 +224,5 @@ fn to_mesh(mesh: tobj::Mesh) -> Result<Mesh, String> {
     } else {
         polygons::cut(&positions, &indices, face_arities.iter().map(|count| *count as usize))?
     };
-    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), colours, triangles })
+    Ok(Mesh { positions, normals, uvs, colours, triangles, ..Mesh::default() })
 }
