@@ -5,7 +5,9 @@ use crate::common::{settings, with_gpu};
 use glam::DVec3;
 use lumbre::gpu::Gpu;
 use lumbre::layout::backend::Backend;
-use lumbre::layout::{BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, MATERIAL_PRINCIPLED_THIN, Material, Principled};
+use lumbre::layout::{
+    BsdfAnswer, BsdfQuery, Layered, MASKING_CORRELATED, MATERIAL_PRINCIPLED_THIN, Material, Principled,
+};
 use lumbre::render::Probe;
 use lumbre::scene::material::{self, Detail, MaterialDescription, plain_layers};
 use lumbre::verify::families::{FAMILIES, Family, is_thin};
@@ -177,17 +179,20 @@ fn cases() -> Vec<Case> {
         case(
             "principled thin, sheet",
             0.05,
-            thin(colour, 0.4, Principled { spec_trans: 0.4, diff_trans: 0.7, anisotropic: 0.5, spec_tint: 0.6, ..none }),
+            thin(
+                colour,
+                0.4,
+                Principled { spec_trans: 0.4, diff_trans: 0.7, anisotropic: 0.5, spec_tint: 0.6, ..none },
+            ),
         )
-        .thin()
-        .energy(1.13),
+        .thin(),
         case(
             "principled thin, cloth",
             0.2,
             thin(colour, 0.7, Principled { diff_trans: 1.2, sheen: 0.8, sheen_tint: 0.5, flatness: 0.5, ..none }),
         )
         .thin()
-        .energy(1.3),
+        .energy(1.04),
         // glTF weights the diffuse lobe by Fresnel's factor of the half vector, which towards grazing is less than what the
         // specular lobe takes.
         case("layered, dielectric", 0.16, layered(WHITE, 0.4, plain)).energy(1.24),

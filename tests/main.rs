@@ -38,9 +38,9 @@ mod memory;
 mod merging;
 mod metrics;
 mod metropolis;
-mod narrow;
 mod mip_maps;
 mod mitsuba;
+mod narrow;
 mod obj;
 #[cfg(unix)]
 mod peer;

@@ -45,7 +45,8 @@ const KINDS: [Kind; 5] = [
 /// A floor, a wall and a ball of this material under a lamp. The camera sees all of it, or the floor in front of the ball alone.
 fn room(material: &str, sees_ball: bool) -> Scene {
     let (origin, target) = if sees_ball { ("0, 1, 4.5", "0, 0.7, 0") } else { ("0, 1.2, 0.9", "0, 0, 1.4") };
-    let matte = "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='0.6, 0.5, 0.4'/></bsdf></bsdf>";
+    let matte =
+        "<bsdf type='twosided'><bsdf type='diffuse'><rgb name='reflectance' value='0.6, 0.5, 0.4'/></bsdf></bsdf>";
     scene(&format!(
         "<sensor type='perspective'><float name='fov' value='40'/>
             <transform name='to_world'><lookat origin='{origin}' target='{target}' up='0, 1, 0'/></transform></sensor>
@@ -90,7 +91,17 @@ fn every_technique_agrees_on_narrow_lobes() {
     if !has_time() {
         return;
     }
-    let all = ["photon", "photon:direct=photons", "vcm", "vcm:form=ppm", "vcm:form=bpm", "vpl", "bdpt", "mlt", "mlt:form=multiplexed"];
+    let all = [
+        "photon",
+        "photon:direct=photons",
+        "vcm",
+        "vcm:form=ppm",
+        "vcm:form=bpm",
+        "vpl",
+        "bdpt",
+        "mlt",
+        "mlt:form=multiplexed",
+    ];
     with_gpu(|gpu| {
         for (name, kind) in KINDS {
             for alpha in [0.0, 1e-4, 1e-3, 0.01] {

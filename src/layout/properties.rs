@@ -94,7 +94,8 @@ pub fn properties_glsl() -> String {
         text += &format!("const uint {name} = {value}u;\n");
         text += &format!("const bool TEXTURES_{name} = (TEXTURED_PROPERTIES & (1u << {value})) != 0u;\n");
     }
-    let linear = (0u32..).zip(PROPERTIES).filter(|(_, property)| property.linear).fold(0, |all, (bit, _)| all | 1 << bit);
+    let linear =
+        (0u32..).zip(PROPERTIES).filter(|(_, property)| property.linear).fold(0, |all, (bit, _)| all | 1 << bit);
     text += "\n// The BSDF is linear in it: its mean over a footprint is that of the footprint's mean.\n";
     text += &format!("bool is_linear(uint property) {{ return ({linear}u >> property & 1u) != 0u; }}\n");
     text += "\n// The texture's value as a colour, or its channel.\n";

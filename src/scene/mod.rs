@@ -23,8 +23,8 @@ use glam::{DAffine3, DVec3, Vec3};
 
 pub use arrays::DeviceArray;
 pub use description::{
-    Attribute, Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription, TechniqueRequest,
-    camera, filter, light, material, texture,
+    Attribute, Camera, FilmSettings, Filter, LightSelection, Mask, Mesh, SceneBuilder, Side, SurfaceDescription,
+    TechniqueRequest, camera, filter, light, material, texture,
 };
 pub use load::{LoadOptions, SceneFormat, load};
 pub use needs::Needs;
@@ -34,8 +34,7 @@ use crate::bvh::{Bounds, primitive_bounds};
 use crate::error::{Error, Result, one_of};
 use crate::image::TextureImage;
 use crate::layout::{
-    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, Material, NONE, Primitive, PropertyTexture,
-    SURFACE_MASK, scene_arrays,
+    LIGHT_SPHERE, LIGHTS, Light, MATERIAL_BLEND, Material, NONE, Primitive, PropertyTexture, SURFACE_MASK, scene_arrays,
 };
 
 /// A lamp is small where its area, beside the square of the scene's radius, is below this.

@@ -2,8 +2,9 @@
 
 use super::Scene;
 use crate::layout::{
-    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_PRINCIPLED_THIN, MATERIALS, Material, MaterialKind, NARROW_ALPHA, PROPERTY_ALPHA_U,
-    PROPERTY_ALPHA_V, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_ROUGHNESS, Trait,
+    MATERIAL_LAYERED, MATERIAL_PRINCIPLED, MATERIAL_PRINCIPLED_THIN, MATERIALS, Material, MaterialKind, NARROW_ALPHA,
+    PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_ROUGHNESS,
+    Trait,
 };
 
 /// Roughness (alpha) below which a surface is nearly smooth.
@@ -53,7 +54,8 @@ impl Scene {
             let kind = &MATERIALS[material.kind as usize];
             let least = material.alpha_u.min(material.alpha_v);
             let alpha = if kind.has(Trait::PerceptualRoughness) { least * least } else { least };
-            kind.has(Trait::Rough) && (self.is_roughness_textured(material) || alpha < limit || self.clear_coat(material).is_some())
+            kind.has(Trait::Rough)
+                && (self.is_roughness_textured(material) || alpha < limit || self.clear_coat(material).is_some())
         };
         self.materials.iter().any(is_below)
     }
@@ -72,7 +74,8 @@ impl Scene {
         match material.kind {
             MATERIAL_PRINCIPLED => {
                 let own = self.principleds.get(detail).filter(|own| own.clearcoat > 0.0)?;
-                let gloss = if self.is_textured(material, &[PROPERTY_CLEARCOAT_GLOSS]) { 1.0 } else { own.clearcoat_gloss };
+                let gloss =
+                    if self.is_textured(material, &[PROPERTY_CLEARCOAT_GLOSS]) { 1.0 } else { own.clearcoat_gloss };
                 Some(0.1 + (0.001 - 0.1) * gloss)
             }
             MATERIAL_LAYERED => {

@@ -66,7 +66,9 @@ impl Solves {
     pub fn what(self) -> &'static str {
         match self {
             Self::Direct => "emission and direct light",
-            Self::Mirrored => "emission and direct light, also as mirrors, smooth glass and what is as smooth show them",
+            Self::Mirrored => {
+                "emission and direct light, also as mirrors, smooth glass and what is as smooth show them"
+            }
             Self::Diffuse => "full light transport, all surfaces taken for diffuse",
             Self::Everything => "full light transport",
         }

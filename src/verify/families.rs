@@ -54,7 +54,14 @@ pub const FAMILIES: &[Family] = &[
     ),
     (
         "principled thin sheet",
-        |r| material::principled_thin(WHITE, r, 1.5, Principled { diff_trans: 0.8, spec_trans: 0.3, ..Principled::default() }),
+        |r| {
+            material::principled_thin(
+                WHITE,
+                r,
+                1.5,
+                Principled { diff_trans: 0.8, spec_trans: 0.3, ..Principled::default() },
+            )
+        },
         1.58,
     ),
     ("layered metal", |r| layered(WHITE, r, plain_layers(1.0)), 1.002),

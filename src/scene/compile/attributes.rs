@@ -23,7 +23,9 @@ pub(super) fn of_surfaces(description: &SceneBuilder) -> Result<Vec<Vec<usize>>>
         of_texture(description, texture, &mut shown);
         if let Some(first) = shown.first() {
             let name = &description.attributes[*first];
-            let message = format!("a light shows the mesh attribute '{name}': emission may be a number, a colour or a texture of texels");
+            let message = format!(
+                "a light shows the mesh attribute '{name}': emission may be a number, a colour or a texture of texels"
+            );
             return Err(Error::scene(&description.source, message));
         }
     }

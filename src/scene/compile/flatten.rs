@@ -72,7 +72,12 @@ pub(super) struct Flat {
 impl Flat {
     /// With one surface per description; `transmits` says of each material whether light passes through it, `shown` of each surface which of the
     /// attributes of those names it shows.
-    pub fn new(descriptions: &[SurfaceDescription], transmits: &[bool], names: Vec<String>, shown: Vec<Vec<usize>>) -> Self {
+    pub fn new(
+        descriptions: &[SurfaceDescription],
+        transmits: &[bool],
+        names: Vec<String>,
+        shown: Vec<Vec<usize>>,
+    ) -> Self {
         let side = |side: Side| side.map_or(NONE, |material| material as u32);
         let surfaces = descriptions
             .iter()
@@ -304,7 +309,9 @@ impl Flat {
             let own: Vec<&str> = mesh.attributes.iter().map(|own| own.name.as_str()).collect();
             let own = if own.is_empty() { String::from("it has none") } else { format!("it has {}", all_of(own)) };
             let name = &self.names[*index];
-            return Err(wrong(format!("its material shows the mesh attribute '{name}', which it does not have; {own}")));
+            return Err(wrong(format!(
+                "its material shows the mesh attribute '{name}', which it does not have; {own}"
+            )));
         }
         let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
         let smooth = flags & SMOOTH_BIT;

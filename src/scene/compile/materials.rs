@@ -6,9 +6,8 @@ use super::microfacets::Microfacets;
 use super::plastic::rough_coating;
 use crate::layout::{
     Compensation, Layered, MATERIAL_FLIPS_NORMALS, MATERIAL_HAS_TANGENTS, MATERIAL_IS_COMPENSATED,
-    MATERIAL_ROUGH_PLASTIC, MATERIAL_SHADOWS_NORMALS, MICROFACET_BECKMANN,
-    Material, MaterialTextures, NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, Plastic, Principled,
-    PropertyTexture,
+    MATERIAL_ROUGH_PLASTIC, MATERIAL_SHADOWS_NORMALS, MICROFACET_BECKMANN, Material, MaterialTextures, NONE,
+    PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, Plastic, Principled, PropertyTexture,
 };
 use crate::scene::material::{Detail, MaterialDescription};
 

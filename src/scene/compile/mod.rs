@@ -128,7 +128,8 @@ impl SceneBuilder {
         for camera in &mut self.cameras {
             camera.to_world.translation -= origin;
         }
-        let mut textures: Vec<_> = self.textures.iter().map(|texture| texture.entry(&self.images, flat.vertices)).collect();
+        let mut textures: Vec<_> =
+            self.textures.iter().map(|texture| texture.entry(&self.images, flat.vertices)).collect();
         if self.mip_maps {
             mip_maps::add(&mut self.images, &mut textures, &records.property_textures);
         }

@@ -2,9 +2,9 @@
 
 use crate::layout::{
     Layered, MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_ABSORPTION, MATERIAL_HAS_TANGENTS,
-    MATERIAL_HAS_TRANSMISSION, MATERIAL_IS_COMPENSATED, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED, MATERIAL_PRINCIPLED_THIN,
-    MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC, MATERIAL_THIN_DIELECTRIC,
-    MICROFACET_BECKMANN, Material, NONE, Plastic, Principled, PropertyTexture,
+    MATERIAL_HAS_TRANSMISSION, MATERIAL_IS_COMPENSATED, MATERIAL_LAYERED, MATERIAL_PLASTIC, MATERIAL_PRINCIPLED,
+    MATERIAL_PRINCIPLED_THIN, MATERIAL_ROUGH_CONDUCTOR, MATERIAL_ROUGH_DIELECTRIC, MATERIAL_ROUGH_PLASTIC,
+    MATERIAL_THIN_DIELECTRIC, MICROFACET_BECKMANN, Material, NONE, Plastic, Principled, PropertyTexture,
 };
 
 /// A material with what its record has no room for; [`SceneBuilder::finish`](super::SceneBuilder::finish) files each part where it belongs.
@@ -39,7 +39,15 @@ pub struct MaterialMaps {
 
 impl Default for MaterialMaps {
     fn default() -> Self {
-        Self { properties: Vec::new(), normal: NONE, normal_scale: 1.0, bump: NONE, bump_scale: 1.0, flips: false, shadows: false }
+        Self {
+            properties: Vec::new(),
+            normal: NONE,
+            normal_scale: 1.0,
+            bump: NONE,
+            bump_scale: 1.0,
+            flips: false,
+            shadows: false,
+        }
     }
 }
 
@@ -169,12 +177,7 @@ pub fn principled_thin(base: [f32; 3], roughness: f32, eta: f32, parameters: Pri
 
 /// A [`Layered`] that is a plain metallic-roughness material.
 pub fn plain_layers(metallic: f32) -> Layered {
-    Layered {
-        metallic,
-        specular: 1.0,
-        specular_colour: [1.0; 3],
-        ..Layered::default()
-    }
+    Layered { metallic, specular: 1.0, specular_colour: [1.0; 3], ..Layered::default() }
 }
 
 /// glTF's layered material of this base colour, perceptual roughness and index of refraction.

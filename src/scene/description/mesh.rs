@@ -154,7 +154,8 @@ impl Mesh {
             corners.iter().filter_map(|corner| values.get(*corner as usize).copied()).collect()
         }
         let corners = self.triangles.as_flattened();
-        let attributes = self.attributes.iter().map(|own| Attribute { name: own.name.clone(), values: of(&own.values, corners) });
+        let attributes =
+            self.attributes.iter().map(|own| Attribute { name: own.name.clone(), values: of(&own.values, corners) });
         Self {
             positions: of(&self.positions, corners),
             normals: of(&self.normals, corners),

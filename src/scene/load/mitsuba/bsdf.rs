@@ -9,9 +9,9 @@ use super::value::Colour;
 use crate::error::{Result, all_of, one_of};
 use crate::layout::{
     NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CONDUCTOR_ETA,
-    PROPERTY_CONDUCTOR_K, PROPERTY_DIFF_TRANS, PROPERTY_ETA, PROPERTY_FLATNESS, PROPERTY_METALLIC, PROPERTY_PRINCIPLED_CLEARCOAT, PROPERTY_REFLECTANCE,
-    PROPERTY_ROUGHNESS, PROPERTY_SHEEN, PROPERTY_SHEEN_TINT, PROPERTY_SPEC_TINT, PROPERTY_SPEC_TRANS,
-    PROPERTY_TRANSMITTANCE, Principled, PropertyTexture,
+    PROPERTY_CONDUCTOR_K, PROPERTY_DIFF_TRANS, PROPERTY_ETA, PROPERTY_FLATNESS, PROPERTY_METALLIC,
+    PROPERTY_PRINCIPLED_CLEARCOAT, PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS, PROPERTY_SHEEN, PROPERTY_SHEEN_TINT,
+    PROPERTY_SPEC_TINT, PROPERTY_SPEC_TRANS, PROPERTY_TRANSMITTANCE, Principled, PropertyTexture,
 };
 use crate::scene::material::{MaterialDescription, MaterialMaps};
 use crate::scene::{Mask, Side, material};
@@ -158,10 +158,7 @@ impl Loader {
         let (eta, k) = self.conductor_indices(object, &mut maps)?;
         let reflectance = self.colour(object, "specular_reflectance", 1.0, PROPERTY_REFLECTANCE, &mut maps)?;
         let alpha = roughness.as_ref().map(|roughness| roughness.alpha);
-        let made = MaterialDescription {
-            textures: maps,
-            ..material::conductor(eta, k, reflectance, alpha).into()
-        };
+        let made = MaterialDescription { textures: maps, ..material::conductor(eta, k, reflectance, alpha).into() };
         Ok(with_roughness(made, roughness))
     }
 
@@ -368,7 +365,9 @@ impl Loader {
         let mut textures = Vec::new();
         let mut alpha = [0.0; 2];
         // Both directions take the common one where they have none of their own.
-        for (index, (name, property)) in [("alpha_u", PROPERTY_ALPHA_U), ("alpha_v", PROPERTY_ALPHA_V)].iter().enumerate() {
+        for (index, (name, property)) in
+            [("alpha_u", PROPERTY_ALPHA_U), ("alpha_v", PROPERTY_ALPHA_V)].iter().enumerate()
+        {
             let own = object.texture(name).is_some() || object.has(name);
             let (value, texture) = self.scalar(object, if own { name } else { "alpha" }, 0.1, [0.0, f64::INFINITY])?;
             alpha[index] = (value as f32).max(LEAST_ALPHA);
@@ -377,7 +376,9 @@ impl Loader {
             }
         }
         // One texture for both.
-        if let [u, v] = &textures[..] && u.texture == v.texture {
+        if let [u, v] = &textures[..]
+            && u.texture == v.texture
+        {
             textures = vec![PropertyTexture { property: PROPERTY_ROUGHNESS, texture: u.texture }];
         }
         Ok(Roughness { alpha, textures, beckmann })
