@@ -41,6 +41,12 @@ impl Case {
         ["conductor", "dielectric", "thin dielectric"].contains(&self.name)
     }
 
+    /// Microfacets of a thin principled sheet let pass what they would not the other way round.
+    fn is_reciprocal(&self) -> bool {
+        let Detail::Principled(parameters) = &self.material.detail else { return true };
+        self.material.record.kind != MATERIAL_PRINCIPLED_THIN || parameters.spec_trans == 0.0
+    }
+
     fn thin(self) -> Self {
         Self { thin: true, ..self }
     }
@@ -445,15 +451,15 @@ fn bsdf_energy_is_conserved() {
     });
 }
 
-/// f(wo, wi) = f(wi, wo), with the factor eta^2 between the two sides of a dielectric (Veach 1997, equation 5.14). All of
-/// these models are reciprocal.
+/// f(wo, wi) = f(wi, wo), with the factor eta^2 between the two sides of a dielectric (Veach 1997, equation 5.14).
 #[test]
 fn bsdfs_are_reciprocal() {
     with_gpu(|gpu| {
         let bench = Bench::new(gpu, cases());
         let uniform = bench.numbers(40_000, 31);
         let mut findings = Findings::default();
-        for (material, case) in bench.cases.iter().enumerate().filter(|(_, case)| !case.is_delta()) {
+        let reciprocal = |(_, case): &(usize, &Case)| !case.is_delta() && case.is_reciprocal();
+        for (material, case) in bench.cases.iter().enumerate().filter(reciprocal) {
             // Half of the pairs anywhere, half near the peaks.
             let mut pairs = Vec::new();
             for (index, two) in uniform.chunks_exact(2).enumerate() {
@@ -869,6 +875,8 @@ fn principled_thin_reference(m: &Material, p: &Principled, wo: DVec3, wi: DVec3)
     let shine = trans * d * g1(wo) * g1(wi) / (4.0 * wo.z);
     let diffuse = (1.0 - trans) * wi.z;
     if !reflected {
+        // Nothing passes a microfacet from above its plane.
+        let shine = if DVec3::new(wi.x, wi.y, -wi.z).dot(h) < 0.0 { shine } else { 0.0 };
         return base * (shine * (1.0 - fresnel) + diffuse * passed / std::f64::consts::PI);
     }
     let weight = |c: f64| (1.0 - c).powi(5);

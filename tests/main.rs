@@ -34,6 +34,7 @@ mod layout;
 mod lecture;
 mod light_tree;
 mod lights;
+mod materials;
 mod memory;
 mod merging;
 mod metrics;

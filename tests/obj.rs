@@ -4,7 +4,7 @@ use crate::common::gltf::{load, png};
 use glam::Vec3;
 use lumbre::layout::{
     MATERIAL_CONDUCTOR, MATERIAL_DIELECTRIC, MATERIAL_DIFFUSE, MATERIAL_HAS_COLOURS, MATERIAL_LAYERED, Material, NONE,
-    SMOOTH_BIT, SURFACE_MASK, Surface, UV_BIT,
+    PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS, SMOOTH_BIT, SURFACE_MASK, Surface, UV_BIT,
 };
 use lumbre::scene::Scene;
 
@@ -245,7 +245,7 @@ fn images_colour_tilt_and_light() {
     let scene =
         square_of("Kd 0.5 1 1\nmap_Kd -s 2 3 -o 0.5 0.25 -clamp on -mm 0.25 0.5 a b.png\nKe 2 2 2\nmap_Ke a b.png\n");
     let material = material(&scene, 0);
-    let texture = &scene.textures[scene.material_textures[material.textures as usize].reflectance as usize];
+    let texture = &scene.textures[scene.textures_of(material)[0].texture as usize];
     assert_eq!(material.reflectance, [0.5, 1.0, 1.0]);
     // u' = 2 u + 0.5; v' = 3 v + 0.25 upwards.
     assert_eq!((texture.row_u, texture.row_v), ([2.0, 0.0, 0.5], [0.0, 3.0, 1.0 - 3.0 - 0.25]));
@@ -274,13 +274,13 @@ fn images_colour_tilt_and_light() {
 fn mirrors_and_physically_based_materials() {
     let scene = square_of("Ks 0.5 0.25 1\nmap_Ks a b.png\nillum 3\n");
     assert_eq!((material(&scene, 0).kind, material(&scene, 0).reflectance), (MATERIAL_CONDUCTOR, [0.5, 0.25, 1.0]));
-    assert!(scene.material_textures[0].reflectance != NONE);
+    assert_eq!(scene.property_textures[0].property, PROPERTY_REFLECTANCE);
     let scene = square_of("Kd 0.5 0.25 1\nPr 0.25\nPm 0.75\nPc 1\nPcr 0.5\nNi 1.25\nillum 3\nmap_Pr a b.png\n");
     let (material, layers) = (material(&scene, 0), &scene.layereds[0]);
     assert_eq!((material.kind, material.alpha_u, material.eta), (MATERIAL_LAYERED, 0.25, 1.25));
     assert_eq!((layers.metallic, layers.clearcoat, layers.clearcoat_roughness), (0.75, 1.0, 0.5));
-    let textures = &scene.material_textures[0];
-    assert!(textures.roughness != NONE && textures.metallic == NONE);
+    let textured: Vec<u32> = scene.property_textures.iter().map(|own| own.property).collect();
+    assert_eq!(textured, [PROPERTY_ROUGHNESS]);
 }
 
 #[test]

@@ -1,7 +1,8 @@
 // The thin principled BSDF (Burley 2015, "Extending the Disney BRDF to a BSDF with integrated subsurface scattering", section 5.3), with the
 // conventions of Mitsuba's plugin of that name: a sheet that is met once and is the same from both sides. Light is reflected, goes straight through and
 // is spread as if reflected by microfacets of a roughness that goes with the index of refraction (figure 15), and is scattered diffusely on
-// either side. Mitsuba drops what passes below the plane of a microfacet, which is not reciprocal; here it stays.
+// either side. Light that comes from above the plane of the microfacet that passes it is dropped, as there; that is not reciprocal, so that who samples
+// from the light's side says so (MATERIAL_IS_ADJOINT).
 //
 // m.reflectance is the base colour, m.eta the index of refraction, m.alpha_u the perceptual roughness; of Principled no metal and no clear coat.
 
@@ -32,7 +33,8 @@ vec3 principled_thin_eval(Material m, Principled p, vec3 wo, vec3 wi) {
     float cos_h = half_cosine(wo, up);
     vec3 value = vec3(0.0);
     vec2 alpha = principled_thin_alpha(m, p, reflected);
-    if (p.spec_trans > 0.0 && takes_lobes(m, is_narrow(alpha))) {
+    vec3 light = (m.flags & MATERIAL_IS_ADJOINT) != 0u ? vec3(wo.xy, -wo.z) : wi;
+    if (p.spec_trans > 0.0 && (reflected || dot(light, h) < 0.0) && takes_lobes(m, is_narrow(alpha))) {
         float cos_t;
         float f = fresnel_dielectric(cos_h, m.eta, cos_t);
         float visible = p.spec_trans * ggx_d(h, alpha) * ggx_g2(wo, up, alpha, false) / (4.0 * wo.z);

@@ -136,6 +136,7 @@ void vertex_check(Vertex v, Ray ray, inout BsdfSample s) {
 }
 
 BsdfSample vertex_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
+    if (v.from_light) b.m.flags |= MATERIAL_IS_ADJOINT;
     BsdfSample s = bsdf_sample(b, v.wo, u);
     vertex_check(v, ray, s);
     return s;

@@ -50,6 +50,8 @@ shared_constants! {
     /// Flag on [`Material::flags`](super::Material::flags) of a shader's own copy: broad lobes take no part.
     pub const WITHOUT_BROAD_LOBES = 256;
 
+    /// Flag on [`Material::flags`](super::Material::flags) of a shader's own copy: light comes along `wo`, where a BSDF is not reciprocal.
+    pub const MATERIAL_IS_ADJOINT = 2048;
     /// Flag on [`Material::flags`](super::Material::flags): a mapped normal that the camera's side is below of is mirrored at the shading normal.
     pub const MATERIAL_FLIPS_NORMALS = 512;
     /// Flag on [`Material::flags`](super::Material::flags): the slopes of a mapped surface shadow each other.

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 use super::Run;
-use super::families::{FAMILIES, is_thin};
+use super::families::{FAMILIES, is_reciprocal, is_thin};
 use super::figure::{Figure, Worst};
 use super::geometry::Random;
 use super::sampling::{Rings, chi_square_z, direction, spread};
@@ -179,7 +179,8 @@ pub(super) fn reciprocity(run: &mut Run) -> Result<()> {
         FAMILIES.iter().take(families).flat_map(|(_, make, _)| roughness.iter().map(|r| make(*r))).collect();
     let probe = probe(run, &materials)?;
     let mut random = Random(31);
-    for (index, (name, ..)) in FAMILIES.iter().take(families).enumerate() {
+    let reciprocal = FAMILIES.iter().take(families).enumerate().filter(|(_, (name, ..))| is_reciprocal(name));
+    for (index, (name, ..)) in reciprocal {
         let (mut worst, mut compared) = (Worst::default(), 0);
         for (step, rough) in roughness.iter().enumerate() {
             let id = index * roughness.len() + step;

@@ -84,3 +84,8 @@ pub const FAMILIES: &[Family] = &[
 pub fn is_thin(name: &str) -> bool {
     name == "layered wall" || name.starts_with("principled thin")
 }
+
+/// Whether a family's BSDF is the same in both directions: what microfacets of a thin sheet let pass is not (`shaders/materials/principled_thin.glsl`).
+pub fn is_reciprocal(name: &str) -> bool {
+    name != "principled thin glass"
+}

@@ -113,6 +113,7 @@ void mis_scatter(inout SubpathMis m, float cosine, float pdf_w, float reverse_pd
 
 // Chooses the direction in which the subpath goes on, and takes that step in its quantities.
 BsdfSample mis_sample(inout SubpathMis m, Vertex v, Bsdf b, Ray ray, vec3 u) {
+    if (v.from_light) b.m.flags |= MATERIAL_IS_ADJOINT;
     BsdfSample s = bsdf_choose(b, v.wo, u);
     b = sampled_lobes(b, s);
     vec2 pdf_w = HAS_OPEN_SAMPLES ? bsdf_pdf_both(b, v.wo, s.wi) : vec2(0.0, bsdf_pdf(b, s.wi, v.wo));

@@ -129,6 +129,22 @@ impl SceneBuilder {
         self.textures.len() as u32 - 1
     }
 
+    /// The texture of 1 less so much of another one; none of a checkerboard of textures.
+    pub(in crate::scene) fn rest_of_texture(&mut self, texture: u32, share: f32) -> Option<u32> {
+        let mut rest = self.textures[texture as usize];
+        match &mut rest.pattern {
+            Pattern::Checkerboard(a, b) if rest.squares == [None; 2] => {
+                [a, b].into_iter().for_each(|colour| *colour = colour.map(|channel| 1.0 - share * channel));
+            }
+            Pattern::Checkerboard(..) => return None,
+            Pattern::Image(_) | Pattern::Attribute(_) => {
+                rest.scale = rest.scale.map(|factor| -share * factor);
+                rest.offset = rest.offset.map(|added| 1.0 - share * added);
+            }
+        }
+        Some(self.texture(rest))
+    }
+
     /// Adds a material.
     pub fn material(&mut self, material: impl Into<MaterialDescription>) -> usize {
         self.materials.push(material.into());
@@ -249,6 +265,7 @@ impl SceneBuilder {
 
     /// Adds triangles to a group (0 is the world itself). `name` says in messages which mesh it is.
     pub fn mesh(&mut self, group: usize, name: &str, mesh: Mesh, to_group: DAffine3, surface: usize) {
+        let mesh = mesh.split();
         self.elements += (mesh.positions.len() + mesh.triangles.len()) as u64;
         if self.elements > ELEMENTS {
             self.excess.get_or_insert(format!(

@@ -10,12 +10,12 @@ use crate::error::{Error, Result};
 /// Segments that stand for a full turn of a disk or a cylinder.
 const SEGMENTS: u32 = 256;
 
-/// Values at the vertices of a mesh that a texture may show.
+/// Values at the vertices, or of the triangles, of a mesh that a texture may show.
 #[derive(Clone, Debug)]
 pub struct Attribute {
     /// What textures ask for.
     pub name: String,
-    /// One value per vertex: red, green, blue and alpha, or one number in the first three.
+    /// One value per vertex or triangle: red, green, blue and alpha, or one number in the first three.
     pub values: Vec<Vec4>,
 }
 
@@ -35,6 +35,8 @@ pub struct Mesh {
     pub colours: Vec<Vec4>,
     /// What else it has at its vertices, for textures to show.
     pub attributes: Vec<Attribute>,
+    /// What else its triangles have, one value per triangle; the builder makes attributes of vertices of them.
+    pub face_attributes: Vec<Attribute>,
     /// Three vertex indices per triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -147,22 +149,30 @@ impl Mesh {
         self
     }
 
-    /// The mesh with vertices that no two triangles share, as what differs from face to face needs them.
+    /// The mesh with vertices that no two triangles share, where something differs from triangle to triangle.
     #[must_use]
-    pub fn split(self) -> Self {
+    pub(super) fn split(self) -> Self {
+        if self.face_attributes.is_empty() {
+            return self;
+        }
         fn of<T: Copy>(values: &[T], corners: &[u32]) -> Vec<T> {
             corners.iter().filter_map(|corner| values.get(*corner as usize).copied()).collect()
         }
         let corners = self.triangles.as_flattened();
-        let attributes =
+        let of_vertices =
             self.attributes.iter().map(|own| Attribute { name: own.name.clone(), values: of(&own.values, corners) });
+        let of_faces = self.face_attributes.iter().map(|own| Attribute {
+            name: own.name.clone(),
+            values: own.values.iter().flat_map(|value| [*value; 3]).collect(),
+        });
         Self {
             positions: of(&self.positions, corners),
             normals: of(&self.normals, corners),
             uvs: of(&self.uvs, corners),
             tangents: of(&self.tangents, corners),
             colours: of(&self.colours, corners),
-            attributes: attributes.collect(),
+            attributes: of_vertices.chain(of_faces).collect(),
+            face_attributes: Vec::new(),
             triangles: (0..self.triangles.len() as u32).map(|face| [3 * face, 3 * face + 1, 3 * face + 2]).collect(),
         }
     }

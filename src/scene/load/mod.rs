@@ -7,6 +7,7 @@ pub mod mitsuba;
 pub mod obj;
 mod options;
 pub mod ply;
+mod ply_attributes;
 mod polygons;
 mod serialized;
 mod tangents;

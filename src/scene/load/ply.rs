@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
+use super::ply_attributes::{self, Column};
 use super::polygons;
 use crate::error::{Error, Result};
 use crate::files::open;
@@ -26,7 +27,7 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Reads a scene: the mesh in its vertices' colours, else in grey.
 pub fn load(path: &Path) -> Result<SceneBuilder> {
     let mut builder = SceneBuilder::new(path);
-    let mesh = read_all(path, true)?;
+    let mesh = read_all(path, true, &[])?;
     let has_colours = !mesh.colours.is_empty();
     let material = builder.material(material::diffuse([if has_colours { 1.0 } else { 0.5 }; 3]));
     if has_colours {
@@ -37,29 +38,41 @@ pub fn load(path: &Path) -> Result<SceneBuilder> {
     Ok(builder)
 }
 
-/// Reads positions, normals (if all three are there), texture coordinates and faces, which may be polygons or strips of triangles.
-pub fn read(path: &Path) -> Result<Mesh> {
-    read_all(path, false)
+/// Reads positions, normals (if all three are there), texture coordinates, faces, which may be polygons or strips of triangles, and those of the
+/// attributes of these names that there are.
+pub fn read(path: &Path, attributes: &[String]) -> Result<Mesh> {
+    read_all(path, false, attributes)
 }
 
 /// Reads a mesh, with its vertices' colours if they are wanted.
-fn read_all(path: &Path, wants_colours: bool) -> Result<Mesh> {
+fn read_all(path: &Path, wants_colours: bool, attributes: &[String]) -> Result<Mesh> {
     let wrong = |error: ParseError| parse_error(path, &error, "");
     let mut reader = Reader::new(BufReader::new(open(path)?));
     let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
     let mut faces = Faces::default();
+    let mut columns = Vec::new();
     for (_, element) in &header.elements {
         // Any number of them would take no byte.
         if element.properties.is_empty() && element.count > 0 {
             return Err(Error::scene(path, format!("the element '{}' has no properties", element.name)));
         }
         match element.name.as_str() {
-            "vertex" => read_vertices(path, &mut reader, element, &header, wants_colours, &mut mesh)?,
+            "vertex" => {
+                read_vertices(path, &mut reader, element, &header, wants_colours, attributes, &mut mesh)?;
+            }
             "face" => {
                 check_corners(path, element)?;
-                in_batches(&mut reader, element, &header, |index, face: Corners| faces.push(index, &face.0))
-                    .map_err(|error| error.located(path))?;
+                columns = ply_attributes::columns(element, attributes);
+                let read = if columns.is_empty() {
+                    in_batches(&mut reader, element, &header, |index, face: Corners| faces.push(index, &face.0))
+                } else {
+                    in_batches(&mut reader, element, &header, |index, face: WithAll<Corners>| {
+                        columns.iter_mut().for_each(|column| column.take(&face.all));
+                        faces.push(index, &face.own.0)
+                    })
+                };
+                read.map_err(|error| error.located(path))?;
             }
             "tristrips" => {
                 check_corners(path, element)?;
@@ -83,6 +96,12 @@ fn read_all(path: &Path, wants_colours: bool) -> Result<Mesh> {
         return Err(Error::scene(path, "the file has no faces: there is nothing to render"));
     }
     faces.check(path, mesh.positions.len())?;
+    mesh.face_attributes = columns.into_iter().map(Column::into_attribute).collect();
+    if mesh.face_attributes.iter().any(|own| own.values.len() != faces.triangles.len())
+        || !mesh.face_attributes.is_empty() && !faces.counts.is_empty()
+    {
+        return Err(Error::scene(path, "textures show attributes of its faces, all of which must then be triangles"));
+    }
     mesh.triangles = faces.triangles;
     let polygons = polygons::cut(&mesh.positions, &faces.corners, faces.counts.into_iter());
     mesh.triangles.extend(polygons.map_err(|message| Error::scene(path, message))?);
@@ -95,6 +114,7 @@ fn read_vertices(
     element: &ElementDef,
     header: &Header,
     wants_colours: bool,
+    attributes: &[String],
     mesh: &mut Mesh,
 ) -> Result<()> {
     for needed in ["x", "y", "z"] {
@@ -111,7 +131,8 @@ fn read_vertices(
         let kind = element.properties.get(COLOURS[set][0]).map(|property| &property.data_type);
         !matches!(kind, Some(PropertyType::Scalar(ScalarType::Float | ScalarType::Double)))
     });
-    in_batches(reader, element, header, |_, vertex: Vertex| {
+    let mut columns = ply_attributes::columns(element, attributes);
+    let mut take = |vertex: Vertex| {
         mesh.positions.push(vertex.position);
         if has_normals {
             mesh.normals.push(vertex.normal);
@@ -124,9 +145,21 @@ fn read_vertices(
             let [r, g, b] = vertex.colours[set].map(|value| channel(value.clamp(0.0, 1.0)));
             mesh.colours.push(Vec4::new(r, g, b, 1.0));
         }
-        Ok(())
-    })
-    .map_err(|error| error.located(path))
+    };
+    let read = if columns.is_empty() {
+        in_batches(reader, element, header, |_, vertex: Vertex| {
+            take(vertex);
+            Ok(())
+        })
+    } else {
+        in_batches(reader, element, header, |_, vertex: WithAll<Vertex>| {
+            columns.iter_mut().for_each(|column| column.take(&vertex.all));
+            take(vertex.own);
+            Ok(())
+        })
+    };
+    mesh.attributes = columns.into_iter().map(Column::into_attribute).collect();
+    read.map_err(|error| error.located(path))
 }
 
 /// Fails where an element has no list of corners, or one that is not of integers.
@@ -261,6 +294,12 @@ struct Corners(Vec<u32>);
 
 struct Skipped;
 
+/// An element with all numbers that it has, by their names.
+struct WithAll<E> {
+    own: E,
+    all: Vec<(String, f32)>,
+}
+
 /// A number.
 fn scalar(property: &Property) -> Option<f64> {
     match property {
@@ -307,6 +346,20 @@ impl PropertyAccess for Vertex {
                 }
             }
         }
+        PropertyAccessResult::Set
+    }
+}
+
+impl<E: PropertyAccess> PropertyAccess for WithAll<E> {
+    fn new() -> Self {
+        Self { own: E::new(), all: Vec::new() }
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if let Some(value) = scalar(&property) {
+            self.all.push((name.to_owned(), value as f32));
+        }
+        self.own.set_property(name, property);
         PropertyAccessResult::Set
     }
 }

@@ -8,10 +8,11 @@ use super::object::Object;
 use super::value::Colour;
 use crate::error::{Result, all_of, one_of};
 use crate::layout::{
-    NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC, PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CONDUCTOR_ETA,
-    PROPERTY_CONDUCTOR_K, PROPERTY_DIFF_TRANS, PROPERTY_ETA, PROPERTY_FLATNESS, PROPERTY_METALLIC,
-    PROPERTY_PRINCIPLED_CLEARCOAT, PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS, PROPERTY_SHEEN, PROPERTY_SHEEN_TINT,
-    PROPERTY_SPEC_TINT, PROPERTY_SPEC_TRANS, PROPERTY_TRANSMITTANCE, Principled, PropertyTexture,
+    MATERIAL_PRINCIPLED_THIN, MATERIAL_THIN_DIELECTRIC, NONE, PROPERTY_ALPHA_U, PROPERTY_ALPHA_V, PROPERTY_ANISOTROPIC,
+    PROPERTY_CLEARCOAT_GLOSS, PROPERTY_CONDUCTOR_ETA, PROPERTY_CONDUCTOR_K, PROPERTY_DIFF_TRANS, PROPERTY_ETA,
+    PROPERTY_FLATNESS, PROPERTY_METALLIC, PROPERTY_PRINCIPLED_CLEARCOAT, PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS,
+    PROPERTY_SHEEN, PROPERTY_SHEEN_TINT, PROPERTY_SPEC_TINT, PROPERTY_SPEC_TRANS, PROPERTY_TRANSMITTANCE, Principled,
+    PropertyTexture,
 };
 use crate::scene::material::{MaterialDescription, MaterialMaps};
 use crate::scene::{Mask, Side, material};
@@ -266,6 +267,23 @@ impl Loader {
         if nested.is_empty() || nested.len() > 2 {
             return Err(object.error(format!("twosided holds {} BSDFs, and needs one or two", nested.len())));
         }
+        let transmission = object.boolean("allow_transmission", false)?;
+        if let [inner] = &nested[..]
+            && transmission
+        {
+            let made = self.material(inner)?;
+            let [front, back] = [made.front, made.back].map(|side| side.map(|side| self.passage(side)));
+            match (front, back) {
+                // The same from both sides as it is.
+                (None | Some(Passage::Alike), _) => return Ok(made),
+                (Some(Passage::None), None) => return Ok(Sides { back: made.front, ..made }),
+                _ => {}
+            }
+            return Err(inner.error(format!(
+                "{} has two sides that differ: within a twosided that allows transmission, what transmits is to be the same from both (principledthin, thindielectric, mask, null)",
+                inner.title()
+            )));
+        }
         let mut sides = Vec::new();
         for inner in &nested {
             let made = self.material(inner)?;
@@ -280,34 +298,95 @@ impl Loader {
         Ok(Sides { front: sides[0], back: sides[sides.len() - 1], mask: None })
     }
 
+    /// How a material lets light through.
+    fn passage(&mut self, material: usize) -> Passage {
+        let made = self.builder.material_mut(material);
+        match made.record.kind {
+            MATERIAL_THIN_DIELECTRIC | MATERIAL_PRINCIPLED_THIN => Passage::Alike,
+            _ if made.transmits() => Passage::Differs,
+            _ => Passage::None,
+        }
+    }
+
+    /// A blend of two BSDFs, of which either may let light straight through.
     fn blend(&mut self, object: &Rc<Object>) -> Result<Sides> {
         let nested = object.objects_of("bsdf");
         let [first, second] = &nested[..] else {
             return Err(object.error(format!("blendbsdf holds {} BSDFs, and needs two", nested.len())));
         };
-        let (weight, texture) = self.scalar(object, "weight", 0.5, [0.0, 1.0])?;
+        let (mut weight, texture) = self.scalar(object, "weight", 0.5, [0.0, 1.0])?;
         let texture = Some(texture).filter(|texture| *texture != NONE);
         let (a, b) = (self.material(first)?, self.material(second)?);
+        let mut mask = None;
         if a.mask.is_some() || b.mask.is_some() {
-            return Err(object.error("a blendbsdf cannot hold a mask: put the blend into the mask"));
+            let plain = |mask: Option<Mask>| match mask {
+                None => Some(1.0),
+                Some(Mask { opacity, texture: None, .. }) => Some(opacity),
+                Some(_) => None,
+            };
+            let stopped = |opacity, texture| Some(Mask { opacity, texture, cutoff: 0.0 });
+            match (plain(a.mask), plain(b.mask), texture) {
+                // What is stopped is as likely to be the second as that stops of it.
+                (Some(p), Some(q), None) => {
+                    let opacity = (1.0 - weight) * p + weight * q;
+                    weight = if opacity > 0.0 { weight * q / opacity } else { weight };
+                    mask = stopped(opacity, None);
+                    if p == 0.0 || q == 0.0 {
+                        return Ok(Sides { mask, ..if p == 0.0 { b } else { a } });
+                    }
+                }
+                (Some(0.0), Some(1.0), Some(texture)) => {
+                    return Ok(Sides { mask: stopped(weight, Some(texture)), ..b });
+                }
+                (Some(1.0), Some(0.0), Some(texture)) => {
+                    let rest = self.builder.rest_of_texture(texture, weight as f32).ok_or_else(|| {
+                        object.error("the weight of a blendbsdf of a null BSDF cannot be a checkerboard of textures")
+                    })?;
+                    return Ok(Sides { mask: stopped(1.0, Some(rest)), ..a });
+                }
+                _ => {
+                    return Err(object.error(
+                        "a blendbsdf can hold masks where its weight and their opacities are numbers, or a null BSDF beside one that stops all light",
+                    ));
+                }
+            }
         }
         let mut of = |a: Side, b: Side| match (a, b) {
             (Some(a), Some(b)) => Ok(Some(self.builder.blend(a, b, weight, texture))),
             (None, None) => Ok(None),
             _ => Err(object.error("the two BSDFs of a blendbsdf must both be two-sided, or neither")),
         };
-        Ok(Sides { front: of(a.front, b.front)?, back: of(a.back, b.back)?, mask: None })
+        Ok(Sides { front: of(a.front, b.front)?, back: of(a.back, b.back)?, mask })
     }
 
     fn mask(&mut self, object: &Rc<Object>) -> Result<Sides> {
         let inner = self.only_bsdf(object)?;
         let (opacity, texture) = self.scalar(object, "opacity", 0.5, [0.0, 1.0])?;
         let sides = self.material(&inner)?;
-        if sides.mask.is_some() {
-            return Err(object.error("a mask cannot hold another mask"));
-        }
         let texture = Some(texture).filter(|texture| *texture != NONE);
-        Ok(Sides { mask: Some(Mask { opacity, texture, cutoff: 0.0 }), ..sides })
+        let mask = match sides.mask {
+            None => Mask { opacity, texture, cutoff: 0.0 },
+            Some(inside) if texture.is_none() || inside.texture.is_none() => {
+                Mask { opacity: opacity * inside.opacity, texture: texture.or(inside.texture), cutoff: 0.0 }
+            }
+            Some(_) => return Err(object.error("of a mask and the mask within it one opacity can be a texture")),
+        };
+        Ok(Sides { mask: Some(mask), ..sides })
+    }
+
+    /// The sides of a shape that emits. Emission does not depend on the BSDF, so that a path must stop there: what a mask lets pass goes on from
+    /// there by a material of its own.
+    pub(super) fn emitting(&mut self, sides: Sides) -> Sides {
+        let Some(mask) = sides.mask else { return sides };
+        let through = self.builder.material(material::thin_dielectric(1.0, [1.0; 3], [1.0; 3]));
+        if mask.opacity == 0.0 {
+            return Sides { front: Some(through), ..Sides::default() };
+        }
+        let mut of = |side: Side| {
+            let solid = side.unwrap_or_else(|| self.builder.material(material::diffuse([0.0; 3])));
+            Some(self.builder.blend(through, solid, mask.opacity, mask.texture))
+        };
+        Sides { front: of(sides.front), back: of(sides.back), mask: None }
     }
 
     fn normal_map(&mut self, object: &Rc<Object>) -> Result<Sides> {
@@ -418,6 +497,17 @@ impl Loader {
 /// Whether mapped normals are flipped to where the camera sees them, and shadow each other.
 fn mapping(object: &Object) -> Result<(bool, bool)> {
     Ok((object.boolean("flip_invalid_normals", true)?, object.boolean("use_shadowing_function", true)?))
+}
+
+/// How a material lets light through.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Passage {
+    /// Not at all.
+    None,
+    /// From both sides alike.
+    Alike,
+    /// Into something, or out of it.
+    Differs,
 }
 
 /// Mitsuba's own lower limit of roughness: a lobe of that alpha is as good as a mirror's.

@@ -79,7 +79,7 @@ impl Loader {
                 self.builder.mesh(group, &name, Mesh::cube().turned(flip != mirrored), to_world, surface);
             }
             "obj" | "ply" | "serialized" => {
-                let (file, mesh) = read_mesh(object)?;
+                let (file, mesh) = read_mesh(object, &self.builder.attributes)?;
                 self.builder.mesh(group, &file.display().to_string(), mesh.turned(flip), to_world, surface);
             }
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
@@ -102,6 +102,7 @@ impl Loader {
             None if emission.is_some() => Sides::default(),
             None => Sides { front: Some(self.builder.material(material::diffuse([0.5; 3]))), ..Sides::default() },
         };
+        let sides = if emission.is_some() { self.emitting(sides) } else { sides };
         self.builder.has_area_light |= emission.is_some();
         let (emission, emission_texture) = emission.unwrap_or_default();
         Ok(self.builder.surface(SurfaceDescription {
@@ -152,14 +153,16 @@ fn cylinder_place(start: DVec3, along: DVec3, radius: f64) -> Option<DAffine3> {
 
 /// The mesh that a shape names, and its file. It has vertex normals, from the file or computed, unless `face_normals` says
 /// otherwise.
-fn read_mesh(object: &Object) -> Result<(PathBuf, Mesh)> {
+fn read_mesh(object: &Object, attributes: &[String]) -> Result<(PathBuf, Mesh)> {
     let file = object.file("filename")?;
     let read = match object.plugin.as_str() {
         // OBJ files count v upwards, and images are stored from the top.
         "obj" => {
             object.boolean("flip_tex_coords", true).and_then(|flip| Ok(obj::read_geometry(&file)?.with_flipped_v(flip)))
         }
-        "ply" => object.boolean("flip_tex_coords", false).and_then(|flip| Ok(ply::read(&file)?.with_flipped_v(flip))),
+        "ply" => object
+            .boolean("flip_tex_coords", false)
+            .and_then(|flip| Ok(ply::read(&file, attributes)?.with_flipped_v(flip))),
         _ => serialized::read(&file, shape_index(object)?),
     };
     let mut mesh = read.map_err(|error| match error {
@@ -236,7 +239,7 @@ mod tests {
                 format!(r#"<shape type="{kind}"><string name="filename" value="mesh.{kind}"/>{option}</shape>"#);
             std::fs::write(&path, format!(r#"<scene version="3.0.0">{shape}</scene>"#)).unwrap();
             let scene = parse::parse(&document::read(&path, &[]).unwrap()).unwrap();
-            let (_, mesh) = read_mesh(&scene.objects()[0]).unwrap();
+            let (_, mesh) = read_mesh(&scene.objects()[0], &[]).unwrap();
             assert_eq!(mesh.uvs[0], expected, "{shape}");
         }
     }

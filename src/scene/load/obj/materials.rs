@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::textures::{Texture, Textures, Use};
 use crate::error::{Error, Result};
-use crate::layout::MaterialTextures;
-use crate::scene::material::{self, MaterialDescription, UNTEXTURED};
+use crate::layout::{NONE, PROPERTY_METALLIC, PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS};
+use crate::scene::material::{self, MaterialDescription, MaterialMaps};
 use crate::scene::{Mask, SceneBuilder, SurfaceDescription};
 
 /// Keywords of the extension for physically based materials (exocortex, 2014) that make a material one, with their images.
@@ -71,7 +71,7 @@ impl Materials<'_> {
     pub fn add(&mut self, path: &Path, described: &tobj::Material) -> Result<Loaded> {
         let mut entry = Entry { path, described, used: Vec::new(), is_textured: false };
         let description = self.describe(&mut entry)?;
-        let textures = description.textures;
+        let wants_tangents = description.textures.normal != NONE;
         let material = self.builder.material(description);
         self.builder.name_material(material, &described.name);
         let mask = self.mask(&mut entry)?;
@@ -92,12 +92,7 @@ impl Materials<'_> {
             ..SurfaceDescription::default()
         });
         self.note_left_out(&entry);
-        Ok(Loaded {
-            surface,
-            material,
-            is_textured: entry.is_textured,
-            wants_tangents: textures.normal != UNTEXTURED.normal,
-        })
+        Ok(Loaded { surface, material, is_textured: entry.is_textured, wants_tangents })
     }
 
     fn texture(&mut self, entry: &mut Entry, word: &'static str, used: Use) -> Result<Option<Texture>> {
@@ -141,24 +136,24 @@ impl Materials<'_> {
             }
             _ => MaterialDescription::from(material::diffuse(colour(described.diffuse, 0.5))),
         };
-        let index_of = |texture: Option<Texture>| texture.map_or(UNTEXTURED.reflectance, |texture| texture.index);
-        let mut textures = UNTEXTURED;
+        let index_of = |texture: Option<Texture>| texture.map_or(NONE, |texture| texture.index);
+        let mut textures = MaterialMaps::default();
         match described.illumination_model {
             Some(4 | 6 | 7 | 9) => {}
             Some(3 | 5) if !is_physical => {
                 entry.used.push("Ks");
-                textures.reflectance = index_of(self.texture(entry, "map_Ks", Use::Colour)?);
+                textures.multiply(PROPERTY_REFLECTANCE, index_of(self.texture(entry, "map_Ks", Use::Colour)?));
             }
             _ => {
                 if described.diffuse.is_none() && described.diffuse_texture.is_some() {
                     description.record.reflectance = [1.0; 3];
                 }
-                textures.reflectance = index_of(self.texture(entry, "map_Kd", Use::Colour)?);
+                textures.multiply(PROPERTY_REFLECTANCE, index_of(self.texture(entry, "map_Kd", Use::Colour)?));
             }
         }
         if is_physical && !matches!(described.illumination_model, Some(4 | 6 | 7 | 9)) {
-            textures.roughness = index_of(self.texture(entry, "map_Pr", Use::Number)?);
-            textures.metallic = index_of(self.texture(entry, "map_Pm", Use::Number)?);
+            textures.multiply(PROPERTY_ROUGHNESS, index_of(self.texture(entry, "map_Pr", Use::Number)?));
+            textures.multiply(PROPERTY_METALLIC, index_of(self.texture(entry, "map_Pm", Use::Number)?));
         }
         self.relief(entry, &mut textures)?;
         description.textures = textures;
@@ -166,7 +161,7 @@ impl Materials<'_> {
     }
 
     /// `norm` is a normal map; `map_Bump` and `bump` are one where their image has colours, as exporters write them, else heights.
-    fn relief(&mut self, entry: &mut Entry, textures: &mut MaterialTextures) -> Result<()> {
+    fn relief(&mut self, entry: &mut Entry, textures: &mut MaterialMaps) -> Result<()> {
         if let Some(normal) = self.texture(entry, "norm", Use::Number)? {
             (textures.normal, textures.normal_scale) = (normal.index, normal.bump);
             entry.used.push("map_Bump");
