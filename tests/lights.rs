@@ -623,3 +623,36 @@ fn lamps_shed_what_their_formulas_say() {
         }
     });
 }
+
+/// An environment shows in a direction what its image has there, to a few thousandths of a texel: inverse trigonometric functions of a driver
+/// may be off by a hundredth.
+#[test]
+fn environments_show_what_lies_in_a_direction() {
+    let image = Image { clamp: true, ..Image::waves(512, 256) };
+    let mut builder = SceneBuilder::new("environment");
+    builder.background = Some([1.0; 3]);
+    builder.environment = Some((image.add(&mut builder), DMat3::IDENTITY));
+    let matte = builder.matte([0.5; 3]);
+    builder.sphere(0, "somewhere", DVec3::new(0.0, 0.0, -90.0), 0.1, matte);
+    let scene = builder.finish().unwrap();
+    let directions: Vec<DVec3> = spread::<4>(1 << 12)
+        .iter()
+        .map(|u| {
+            let (z, turn) = (1.0 - 2.0 * f64::from(u[0]), TAU * f64::from(u[1]));
+            let sine = (1.0 - z * z).sqrt();
+            DVec3::new(sine * turn.cos(), z, sine * turn.sin()).as_vec3().as_dvec3()
+        })
+        .collect();
+    with_gpu(|gpu| {
+        let found = Bench::new(gpu, &scene).look(DVec3::ZERO, directions.iter().copied());
+        let off = directions.iter().zip(&found).map(|(d, found)| {
+            let across = d.x.atan2(-d.z) / TAU;
+            let uv = DVec2::new(across - across.floor(), d.normalize().y.acos() / PI);
+            // Neighbouring texels differ by up to 1.6.
+            (vector(found.asked) - image.at(uv)).abs().max_element()
+        });
+        let worst = off.fold(0.0, f64::max);
+        println!("environment: off by {worst:.1e}");
+        assert!(worst < 3e-4, "off by {worst:.1e}");
+    });
+}

@@ -1,4 +1,5 @@
 // Orthonormal frames: local space has its normal along +z.
+#include "core/angle.glsl"
 
 struct Basis {
     vec3 tangent;
@@ -19,4 +20,4 @@ vec3 to_world(Basis f, vec3 w) { return f.tangent * w.x + f.bitangent * w.y + f.
 
 // Angle between unit vectors (Kahan 2006, "How futile are mindless assessments of roundoff", section 12): unlike the arc cosine of
 // their product it keeps its digits near 0 and pi, and devices may approximate that one to three digits.
-float angle_between(vec3 a, vec3 b) { return 2.0 * atan(length(a - b), length(a + b)); }
+float angle_between(vec3 a, vec3 b) { return 2.0 * angle_of(length(a - b), length(a + b)); }

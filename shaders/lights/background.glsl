@@ -5,8 +5,7 @@
 // v down from it.
 vec2 background_uv(vec3 direction) {
     vec3 d = vec3(dot(scene.background_x, direction), dot(scene.background_y, direction), dot(scene.background_z, direction));
-    float u = atan(d.x, -d.z) * (0.5 * INV_PI);
-    return vec2(u < 0.0 ? u + 1.0 : u, acos(clamp(d.y, -1.0, 1.0)) * INV_PI);
+    return sphere_place(vec3(-d.z, d.x, d.y));
 }
 
 vec3 background_direction(vec2 uv) {

@@ -12,7 +12,7 @@ float triangle_solid_angle(vec3 scaled_normal, vec3 v0, vec3 v1, vec3 v2, vec3 p
     float la = length(a), lb = length(b), lc = length(c);
     float volume = -dot(scaled_normal, a);
     float sum = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    return volume > 0.0 ? 2.0 * atan(volume, sum) : 0.0;
+    return volume > 0.0 ? 2.0 * angle_of(volume, sum) : 0.0;
 }
 
 // Barycentric weights of the second and third vertex, uniform over that solid angle (Peters 2021, "BRDF importance sampling for

@@ -1,6 +1,7 @@
 // What lies where a ray met a surface, and how far a ray that starts there must move off the surface.
 #include "trace/trace.glsl"
 #include "trace/triangle_plane.glsl"
+#include "core/angle.glsl"
 #include "core/texture.glsl"
 
 struct Interaction {
@@ -28,8 +29,7 @@ void sphere_uv(Primitive p, vec3 outward, inout Interaction at) {
     float w = sqrt(max(0.0, 1.0 - dot(q, q)));
     vec3 local = outward + 2.0 * cross(-q, cross(-q, outward) + w * outward);
     local *= p.v1.y < 0.0 ? -1.0 : 1.0;
-    float phi = atan(local.y, local.x);
-    at.uv = vec2(phi * (0.5 * INV_PI) + (phi < 0.0 ? 1.0 : 0.0), acos(clamp(local.z, -1.0, 1.0)) * INV_PI);
+    at.uv = sphere_place(local);
     if (HAS_MIP_MAPS) at.uv_area = 0.5 * INV_PI * INV_PI / (p.v1.x * p.v1.x * max(1e-3, length(local.xy)));
     if (HAS_TANGENTS) {
         float sine = sqrt(max(1e-12, local.x * local.x + local.y * local.y));

@@ -39,8 +39,7 @@ vec2 face_coordinates(PatchFace f, Primitive p, Hit hit, vec3 position) {
             if (instance.moved != 0u) object = object_point(instance, position);
         }
         vec3 d = normalize(object - p.v0);
-        float turn = atan(d.y, d.x) * (0.5 * INV_PI);
-        return vec2(turn < 0.0 ? turn + 1.0 : turn, 0.5 - 0.5 * d.z);
+        return vec2(sphere_place(d).x, 0.5 - 0.5 * d.z);
     }
     vec3 w = vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv);
     bool first = hit.primitive == f.primitive;
