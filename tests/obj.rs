@@ -111,7 +111,7 @@ fn lines_may_continue_end_and_comment_in_every_way() {
         ("vn 1 2 # 3\n", ["scene.obj:1", "normal", "has 2"]),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2/1/1/1 3\n", ["scene.obj:4", "2/1/1/1", "v/vt/vn"]),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 7 2\n", ["scene.obj:5", "vertex 7", "there are 3"]),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ["scene.obj:4", "vertex 0", "from 1"]),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ["scene.obj:4", "corner '0'", "from 1"]),
     ] {
         let message = refused(text, "");
         assert!(expected.iter().all(|part| message.contains(part)), "{expected:?} is not in: {message}");
@@ -175,6 +175,7 @@ fn libraries_and_names_are_found() {
         ("mtllib my lib.mtl a.mtl\nusemtl red\n", [("my lib.mtl", RED), ("a.mtl", grey)]),
         ("mtllib \"my lib.mtl\"\nusemtl red\n", [("my lib.mtl", RED), ("a.mtl", grey)]),
         ("mtllib C:\\lib\\b.mtl\nusemtl red # the ball\n", [("b.mtl", RED), ("a.mtl", grey)]),
+        ("mtllib b.mtl # the reds\nusemtl red\n", [("b.mtl", "newmtl red # a red\nKd 0.9 0.1 0.1\n"), ("a.mtl", grey)]),
         // The first library that has it.
         ("mtllib b.mtl a.mtl\nusemtl red\n", [("b.mtl", RED), ("a.mtl", other_red)]),
         ("\u{feff}mtllib b.mtl\r\nusemtl red\r\n", [("b.mtl", RED), ("a.mtl", "")]),

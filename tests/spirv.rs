@@ -181,6 +181,9 @@ fn the_image_is_that_of_the_drivers_own_way() {
 /// A change to a module, of the kinds that files are changed by: words are missing at the end or in the middle, are others, or are there
 /// twice.
 fn mutate(words: &mut Vec<u32>, random: &mut Mutator) {
+    if words.is_empty() {
+        return; // a change before this one has left nothing
+    }
     let at = random.below(words.len());
     let end = (at + 1 + random.below(8)).min(words.len());
     match random.below(8) {

@@ -48,7 +48,7 @@ pub fn read(path: &Path, attributes: &[String]) -> Result<Mesh> {
 fn read_all(path: &Path, wants_colours: bool, attributes: &[String]) -> Result<Mesh> {
     let wrong = |error: ParseError| parse_error(path, &error, "");
     let mut reader = Reader::new(BufReader::new(open(path)?));
-    let header = Parser::<Vertex>::new().read_header(&mut reader).map_err(wrong)?;
+    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(wrong)?;
     let mut mesh = Mesh::default();
     let mut faces = Faces::default();
     let mut columns = Vec::new();
@@ -132,31 +132,42 @@ fn read_vertices(
         !matches!(kind, Some(PropertyType::Scalar(ScalarType::Float | ScalarType::Double)))
     });
     let mut columns = ply_attributes::columns(element, attributes);
-    let mut take = |vertex: Vertex| {
-        mesh.positions.push(vertex.position);
-        if has_normals {
-            mesh.normals.push(vertex.normal);
-        }
-        if let Some(set) = uvs {
-            mesh.uvs.push(Vec2::from(vertex.uvs[set]));
-        }
-        if let Some(set) = colours {
-            let channel = |value: f32| if is_integer { srgb_to_linear(value) } else { value };
-            let [r, g, b] = vertex.colours[set].map(|value| channel(value.clamp(0.0, 1.0)));
-            mesh.colours.push(Vec4::new(r, g, b, 1.0));
-        }
-    };
-    let read = if columns.is_empty() {
-        in_batches(reader, element, header, |_, vertex: Vertex| {
-            take(vertex);
+    // What the largest files have is read without room for more.
+    let read = if uvs.is_none() && colours.is_none() && columns.is_empty() {
+        in_batches(reader, element, header, |_, vertex: Vertex<()>| {
+            mesh.positions.push(vertex.position);
+            if has_normals {
+                mesh.normals.push(vertex.normal);
+            }
             Ok(())
         })
     } else {
-        in_batches(reader, element, header, |_, vertex: WithAll<Vertex>| {
-            columns.iter_mut().for_each(|column| column.take(&vertex.all));
-            take(vertex.own);
-            Ok(())
-        })
+        let mut take = |vertex: Vertex<Looks>| {
+            mesh.positions.push(vertex.position);
+            if has_normals {
+                mesh.normals.push(vertex.normal);
+            }
+            if let Some(set) = uvs {
+                mesh.uvs.push(Vec2::from(vertex.looks.uvs[set]));
+            }
+            if let Some(set) = colours {
+                let channel = |value: f32| if is_integer { srgb_to_linear(value) } else { value };
+                let [r, g, b] = vertex.looks.colours[set].map(|value| channel(value.clamp(0.0, 1.0)));
+                mesh.colours.push(Vec4::new(r, g, b, 1.0));
+            }
+        };
+        if columns.is_empty() {
+            in_batches(reader, element, header, |_, vertex: Vertex<Looks>| {
+                take(vertex);
+                Ok(())
+            })
+        } else {
+            in_batches(reader, element, header, |_, vertex: WithAll<Vertex<Looks>>| {
+                columns.iter_mut().for_each(|column| column.take(&vertex.all));
+                take(vertex.own);
+                Ok(())
+            })
+        }
     };
     mesh.attributes = columns.into_iter().map(Column::into_attribute).collect();
     read.map_err(|error| error.located(path))
@@ -184,13 +195,23 @@ struct Faces {
 }
 
 impl Faces {
+    #[inline]
     fn push(&mut self, index: usize, corners: &[u32]) -> Result<(), String> {
+        match *corners {
+            [a, b, c] => {
+                self.triangles.push([a, b, c]);
+                Ok(())
+            }
+            _ => self.push_polygon(index, corners),
+        }
+    }
+
+    fn push_polygon(&mut self, index: usize, corners: &[u32]) -> Result<(), String> {
         match *corners {
             [] => {}
             [_] | [_, _] => {
                 return Err(format!("face {index} has {} vertices, and needs three or more", corners.len()));
             }
-            [a, b, c] => self.triangles.push([a, b, c]),
             _ => {
                 self.corners.extend(corners);
                 self.counts.push(corners.len());
@@ -211,6 +232,10 @@ impl Faces {
     /// Fails where a face refers to a vertex that does not exist.
     fn check(&self, path: &Path, count: usize) -> Result<()> {
         let is_bad = |vertex: &u32| *vertex as usize >= count;
+        let largest = |vertices: &[u32]| vertices.iter().copied().fold(0, u32::max);
+        if !is_bad(&largest(self.triangles.as_flattened()).max(largest(&self.corners))) {
+            return Ok(());
+        }
         let triangle = self.triangles.iter().enumerate().find_map(|(index, triangle)| {
             Some((format!("triangle {index}"), *triangle.iter().find(|vertex| is_bad(vertex))?))
         });
@@ -280,12 +305,43 @@ fn parse_error(path: &Path, error: &ParseError, announced: &str) -> Error {
 }
 
 #[derive(Clone, Copy, Default)]
-struct Vertex {
+struct Vertex<L> {
     position: DVec3,
     normal: Vec3,
-    /// Texture coordinates and colours, in the order of [`UVS`] and [`COLOURS`].
+    looks: L,
+}
+
+/// Texture coordinates and colours, in the order of [`UVS`] and [`COLOURS`].
+#[derive(Clone, Copy, Default)]
+struct Looks {
     uvs: [[f32; 2]; UVS.len()],
     colours: [[f32; 3]; COLOURS.len()],
+}
+
+/// What a vertex keeps beside its position and its normal.
+trait Keep: Default {
+    /// Takes a property in, unless it is something else.
+    fn keep(&mut self, name: &str, property: &Property) -> PropertyAccessResult;
+}
+
+impl Keep for () {
+    fn keep(&mut self, _: &str, _: &Property) -> PropertyAccessResult {
+        PropertyAccessResult::Ignored
+    }
+}
+
+impl Keep for Looks {
+    fn keep(&mut self, name: &str, property: &Property) -> PropertyAccessResult {
+        let at = |names: &[&str]| names.iter().position(|known| *known == name);
+        if let Some(at) = at(UVS.as_flattened()) {
+            self.uvs.as_flattened_mut()[at] = scalar(property).unwrap_or_default() as f32;
+        } else if let Some(at) = at(COLOURS.as_flattened()) {
+            self.colours.as_flattened_mut()[at] = share(property).unwrap_or_default() as f32;
+        } else {
+            return PropertyAccessResult::Ignored;
+        }
+        PropertyAccessResult::Set
+    }
 }
 
 /// The corners of a face or a strip.
@@ -321,7 +377,7 @@ fn share(property: &Property) -> Option<f64> {
     scalar(property).map(|value| value / scale)
 }
 
-impl PropertyAccess for Vertex {
+impl<L: Keep> PropertyAccess for Vertex<L> {
     fn new() -> Self {
         Self::default()
     }
@@ -335,16 +391,7 @@ impl PropertyAccess for Vertex {
             "nx" => self.normal.x = value as f32,
             "ny" => self.normal.y = value as f32,
             "nz" => self.normal.z = value as f32,
-            _ => {
-                let at = |names: &[&str]| names.iter().position(|known| *known == name);
-                if let Some(at) = at(UVS.as_flattened()) {
-                    self.uvs.as_flattened_mut()[at] = value as f32;
-                } else if let Some(at) = at(COLOURS.as_flattened()) {
-                    self.colours.as_flattened_mut()[at] = share(&property).unwrap_or_default() as f32;
-                } else {
-                    return PropertyAccessResult::Ignored;
-                }
-            }
+            _ => return self.looks.keep(name, &property),
         }
         PropertyAccessResult::Set
     }

@@ -16,6 +16,8 @@ pub(super) struct Lines {
     /// What was read up to the last LF, and how much of it was handed on.
     chunk: Vec<u8>,
     at: usize,
+    /// It holds a CR.
+    has_returns: bool,
     /// Lines of the file so far.
     read: u32,
     /// The line of the file that the last one began at, from 1.
@@ -26,7 +28,7 @@ impl Lines {
     /// Opens a file.
     pub fn open(path: &Path) -> Result<Self> {
         let inner = BufReader::new(open(path)?);
-        Ok(Self { inner, chunk: Vec::new(), at: 0, read: 0, number: 0 })
+        Ok(Self { inner, chunk: Vec::new(), at: 0, has_returns: false, read: 0, number: 0 })
     }
 
     /// Puts the next line into `line`, without its end and the space around it, and with the lines that continue it; false at the end.
@@ -54,13 +56,17 @@ impl Lines {
             if self.inner.read_until(b'\n', &mut self.chunk)? == 0 {
                 return Ok(false);
             }
+            self.has_returns = self.chunk.contains(&b'\r');
             if self.read == 0 && self.chunk.starts_with(BYTE_ORDER_MARK) {
                 self.at = BYTE_ORDER_MARK.len();
             }
         }
         self.read = self.read.saturating_add(1);
         let rest = &self.chunk[self.at..];
-        let end = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        let end = match self.has_returns {
+            true => rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len()),
+            false => rest.len() - usize::from(rest.ends_with(b"\n")),
+        };
         line.extend_from_slice(rest[..end].trim_ascii());
         self.at += end + if rest[end..].starts_with(b"\r\n") { 2 } else { rest.len().min(end + 1) - end };
         Ok(true)

@@ -98,7 +98,7 @@ pub fn load(path: &Path) -> Result<SceneBuilder> {
                 mesh.uvs = vec![Vec2::ZERO; mesh.positions.len()];
             }
             if found.wants_tangents {
-                mesh = tangents::with_tangents(mesh);
+                mesh = tangents::with_tangents(mesh, false);
             }
         }
         let surface = found.map_or(default, |found| found.surface);
@@ -142,13 +142,17 @@ fn listed(names: impl ExactSizeIterator<Item = String>) -> String {
     if more > 0 { format!("{text} (and {more} more)") } else { text }
 }
 
+/// A name without the comment that may stand behind it: names may have a `#` of their own.
+fn without_note(name: &str) -> &str {
+    name.split(" #").next().unwrap_or_default().trim_ascii_end()
+}
+
 /// A material of a library by its name, with or without a comment behind it.
 fn find<'a>(
     entries: &'a HashMap<String, (PathBuf, tobj::Material)>,
     name: &str,
 ) -> Option<(&'a Path, &'a tobj::Material)> {
-    let short = name.split(" #").next().unwrap_or_default().trim_ascii_end();
-    let (path, entry) = entries.get(name).or_else(|| entries.get(short))?;
+    let (path, entry) = entries.get(name).or_else(|| entries.get(without_note(name)))?;
     Some((path, entry))
 }
 
@@ -161,7 +165,12 @@ fn entries(
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut entries = HashMap::new();
     let mut seen = BTreeSet::new();
-    for library in names.libraries.iter().flat_map(|text| mtl::libraries(folder, text)) {
+    let libraries = names.libraries.iter().flat_map(|text| mtl::libraries(folder, text));
+    for (count, library) in libraries.enumerate() {
+        if count == mtl::MAX_LIBRARIES {
+            warnings.push(format!("more than {count} MTL files are named, and the others are not read"));
+            break;
+        }
         if !seen.insert(library.clone()) {
             continue;
         }
@@ -177,7 +186,10 @@ fn entries(
         }
         // Of those that a library has twice, the last.
         for material in materials.into_iter().rev() {
-            entries.entry(material.name.clone()).or_insert((library.clone(), material));
+            let short = without_note(&material.name).to_owned();
+            for name in [material.name.clone(), short] {
+                entries.entry(name).or_insert((library.clone(), material.clone()));
+            }
         }
     }
     Ok(entries)

@@ -24,11 +24,11 @@ const IMAGES: [&str; 18] = [
 pub(super) fn libraries(folder: &Path, text: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut rest = text;
-    while !rest.is_empty() {
+    while !rest.is_empty() && !rest.starts_with('#') && found.len() <= MAX_LIBRARIES {
         // The longest name that a file has.
         let ends = rest.char_indices().filter(|(_, c)| c.is_ascii_whitespace()).map(|(at, _)| at).chain([rest.len()]);
-        let ends: Vec<usize> = ends.collect();
-        let known = ends.iter().rev().take(MAX_WORDS).find_map(|end| Some((*end, file(folder, &rest[..*end])?)));
+        let ends: Vec<usize> = ends.take(MAX_WORDS).collect();
+        let known = ends.iter().rev().find_map(|end| Some((*end, file(folder, &rest[..*end])?)));
         let (end, path) = known.unwrap_or_else(|| (ends[0], folder.join(&rest[..ends[0]])));
         found.push(path);
         rest = rest[end..].trim_ascii_start();
@@ -37,7 +37,9 @@ pub(super) fn libraries(folder: &Path, text: &str) -> Vec<PathBuf> {
 }
 
 /// Words of a name at the most.
-const MAX_WORDS: usize = 64;
+const MAX_WORDS: usize = 16;
+/// Names of libraries that are looked for, in all.
+pub(super) const MAX_LIBRARIES: usize = 256;
 
 /// The file of that name, as files name each other: relative to a folder, perhaps in quotes, with the separators of any system, or with
 /// the folders of another machine before its name.

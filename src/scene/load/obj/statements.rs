@@ -164,6 +164,12 @@ impl<'p> Statements<'p> {
 
     /// Takes a line in; false where no more lines are wanted.
     fn statement(&mut self, line: &str) -> Result<bool, String> {
+        // Most lines by far are of these two kinds.
+        match line.as_bytes() {
+            [b'v', b' ' | b'\t', ..] => return self.vertex(without_comment(line)),
+            [b'f', b' ' | b'\t', ..] => return self.face(line, "f").map(|()| true),
+            _ => {}
+        }
         let (word, rest) = keyword(line);
         match word {
             "v" => return self.vertex(without_comment(line)),
@@ -276,13 +282,11 @@ impl<'p> Statements<'p> {
         // Attributes that every corner has, and that any has.
         let (mut common, mut any) = (3, 0);
         for corner in text.split_ascii_whitespace().skip(1) {
-            let mut indices = [0; 3];
-            for (kind, index) in corner.split('/').enumerate() {
-                if !index.is_empty() && kind < 3 {
-                    indices[kind] = self.index(kind, index)?;
-                }
-                if kind > 2 || (kind == 0 && index.is_empty()) {
-                    return Err(format!("the corner '{corner}' of a face is none of v, v/vt, v//vn and v/vt/vn"));
+            let mut indices = indices_of(corner).ok_or_else(|| not_a_corner(corner))?;
+            for (kind, index) in indices.iter_mut().enumerate() {
+                // Most indices are of something before.
+                if *index != 0 && !(1..=self.counts[kind]).contains(index) {
+                    *index = self.index(kind, *index)?;
                 }
             }
             let has = usize::from(indices[1] > 0) | usize::from(indices[2] > 0) << 1;
@@ -320,11 +324,10 @@ impl<'p> Statements<'p> {
     }
 
     /// An index from 1.
-    fn index(&mut self, kind: usize, text: &str) -> Result<i64, String> {
-        let (name, count) = (KINDS[kind], self.counts[kind]);
-        let index: i64 =
-            text.parse().map_err(|_| format!("the face refers to {name} '{text}', which is no integer"))?;
+    fn index(&mut self, kind: usize, index: i64) -> Result<i64, String> {
+        let count = self.counts[kind];
         if index == 0 || index < -count || index > i64::from(u32::MAX) {
+            let name = KINDS[kind];
             return Err(format!(
                 "the face refers to {name} {index}, and there are {count} by here: they count from 1, or backwards from -1"
             ));
@@ -351,6 +354,51 @@ impl<'p> Statements<'p> {
         }
         self.at_once = None;
     }
+}
+
+/// The indices of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`, as they are written; 0 is none.
+fn indices_of(corner: &str) -> Option<[i64; 3]> {
+    let mut indices = [0i64; 3];
+    let mut bytes = corner.as_bytes();
+    for (kind, index) in indices.iter_mut().enumerate() {
+        let sign = match bytes {
+            [b'-', rest @ ..] => {
+                bytes = rest;
+                -1
+            }
+            [b'+', rest @ ..] => {
+                bytes = rest;
+                1
+            }
+            [b'/', rest @ ..] if kind == 1 => {
+                bytes = rest;
+                continue;
+            }
+            [] if kind > 0 => break,
+            _ => 1,
+        };
+        let mut value = 0i64;
+        while let [digit @ b'0'..=b'9', rest @ ..] = bytes {
+            value = value.saturating_mul(10).saturating_add(i64::from(digit - b'0'));
+            bytes = rest;
+        }
+        if value == 0 {
+            return None;
+        }
+        *index = sign * value;
+        match bytes {
+            [] => break,
+            [b'/', rest @ ..] if kind < 2 => bytes = rest,
+            _ => return None,
+        }
+    }
+    bytes.is_empty().then_some(indices)
+}
+
+fn not_a_corner(corner: &str) -> String {
+    format!(
+        "the corner '{corner}' of a face is none of v, v/vt, v//vn and v/vt/vn: indices are integers from 1, or from -1 backwards"
+    )
 }
 
 impl Read for Statements<'_> {
