@@ -205,6 +205,37 @@ fn cases() -> Vec<Case> {
         case("layered, metal", 0.09, layered(WHITE, 0.3, plain_layers(1.0))),
         case("layered, half metal", 0.25, layered(colour, 0.5, plain_layers(0.5))),
         case(
+            "layered, anisotropic",
+            0.16,
+            layered(colour, 0.4, Layered { anisotropy: 0.7, anisotropy_direction: [0.6, 0.8], ..plain_layers(0.6) }),
+        ),
+        case(
+            "layered, iridescent",
+            0.16,
+            layered(
+                colour,
+                0.4,
+                Layered { iridescence: 0.9, iridescence_eta: 1.8, iridescence_thickness: 300.0, ..plain_layers(0.5) },
+            ),
+        ),
+        case(
+            "layered, diffuse transmission",
+            0.16,
+            layered(
+                colour,
+                0.4,
+                Layered { diffuse_transmission: 0.6, diffuse_transmission_colour: [0.2, 0.9, 0.4], ..plain },
+            ),
+        )
+        .thin(),
+        case(
+            "layered, diffuse and specular transmission",
+            0.16,
+            layered(colour, 0.4, Layered { diffuse_transmission: 0.6, transmission: 0.4, ..plain }),
+        )
+        .thin()
+        .energy(1.08),
+        case(
             "layered, specular",
             0.25,
             layered(colour, 0.5, Layered { specular: 0.6, specular_colour: [2.0, 1.0, 0.5], ..plain }),
@@ -231,6 +262,15 @@ fn cases() -> Vec<Case> {
             "layered, clear coat",
             0.01,
             layered(colour, 0.5, Layered { clearcoat: 1.0, clearcoat_roughness: 0.1, ..plain }),
+        ),
+        case(
+            "layered, tilted clear coat",
+            0.04,
+            layered(
+                colour,
+                0.5,
+                Layered { clearcoat: 1.0, clearcoat_roughness: 0.3, clearcoat_normal: [0.36, -0.48, 0.8], ..plain },
+            ),
         ),
         case(
             "layered, sheen",
@@ -448,6 +488,35 @@ fn bsdf_energy_is_conserved() {
                 format!("{}: albedo {most}, and the bound is {}", case.name, case.energy)
             });
         }
+    });
+}
+
+/// Where glass disperses, each channel is that of glass of its own index of refraction (KHR_materials_dispersion: 1/40 of what is above 1 for each
+/// unit), and the density is the mean of theirs.
+#[test]
+fn dispersion_gives_each_channel_its_index() {
+    with_gpu(|gpu| {
+        let glass = |eta: f32, dispersion: f32| {
+            let layers = Layered { transmission: 1.0, is_volume: 1, dispersion, ..plain_layers(0.0) };
+            case("glass", 0.16, material::layered(WHITE, 0.4, eta, layers))
+        };
+        let bench = Bench::new(gpu, vec![glass(1.5, 2.0), glass(1.475, 0.0), glass(1.5, 0.0), glass(1.525, 0.0)]);
+        let mut queries = Vec::new();
+        for two in bench.numbers(4_000, 37).chunks_exact(2) {
+            let [wo, wi] = [two[0], two[1]].map(|[a, b, _]| direction(2.0 * a - 1.0, std::f32::consts::TAU * b));
+            queries.extend((0..4).map(|material| BsdfQuery { material, wo, wi, u: [0.5; 3] }));
+        }
+        let mut compared = 0;
+        for answers in bench.ask(&queries).chunks_exact(4) {
+            let (all, channels) = (answers[0], &answers[1..]);
+            let expected = [0, 1, 2].map(|channel| channels[channel].value[channel]);
+            let pdf = channels.iter().map(|answer| answer.pdf_w).sum::<f32>() / 3.0;
+            let is_near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * a.abs().max(b.abs()) + 1e-6;
+            assert!(all.value.iter().zip(expected).all(|(a, b)| is_near(*a, b)), "{:?} {expected:?}", all.value);
+            assert!(is_near(all.pdf_w, pdf), "{} {pdf}", all.pdf_w);
+            compared += usize::from(expected[0] > 0.0 && expected[0] != expected[2]);
+        }
+        assert!(compared > 500, "{compared} differ between channels");
     });
 }
 

@@ -1,6 +1,6 @@
 //! What glTF files mean: each test states the picture that a small file must give.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI};
 
 use crate::common::gltf::{
     F32, FOUR, FOUR_LINEAR, Gltf, I8, I16, SQUARE, SQUARE_UVS, U8, U16, U32, floats, load, matte, merge, png, shorts,
@@ -9,7 +9,7 @@ use crate::common::gltf::{
 use crate::common::{assert_mean, backends, render, settings, tile_average, with_gpu};
 use lumbre::layout::{
     PROPERTY_CLEARCOAT, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_METALLIC, PROPERTY_ROUGHNESS, PROPERTY_SPECULAR,
-    PROPERTY_TRANSMISSION,
+    PROPERTY_TRANSMISSION, SECOND_UVS_BIT,
 };
 use lumbre::render::film::Film;
 use lumbre::scene::Scene;
@@ -567,12 +567,17 @@ fn layers_reach_the_material() {
             "KHR_materials_transmission": {"transmissionFactor": 0.45, "transmissionTexture": info},
             "KHR_materials_volume":
                 {"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.5, 1, 0]},
-            "KHR_materials_iridescence": {"iridescenceFactor": 1}
+            "KHR_materials_anisotropy": {"anisotropyStrength": 0.3, "anisotropyRotation": FRAC_PI_2},
+            "KHR_materials_diffuse_transmission":
+                {"diffuseTransmissionFactor": 0.2, "diffuseTransmissionColorFactor": [0.5, 1, 0]},
+            "KHR_materials_dispersion": {"dispersion": 0.7},
+            "KHR_materials_iridescence": {"iridescenceFactor": 0.9, "iridescenceIor": 1.7, "iridescenceThicknessMaximum": 250},
+            "KHR_materials_unknown": {}
         }
     });
     let mesh = file.square(material, json!({}));
     file.node(json!({"mesh": mesh}));
-    file.json["extensionsUsed"] = json!(["KHR_materials_iridescence", "KHR_materials_ior"]);
+    file.json["extensionsUsed"] = json!(["KHR_materials_unknown", "KHR_materials_ior"]);
     let scene = file.load();
     let (record, layers) = (scene.materials[0], scene.layereds[0]);
     assert_eq!((record.reflectance, record.alpha_u, record.eta), ([0.1, 0.2, 0.3], 0.5, 1.25));
@@ -580,6 +585,11 @@ fn layers_reach_the_material() {
     assert_eq!((layers.clearcoat, layers.clearcoat_roughness), (0.6, 0.7));
     assert_eq!((layers.sheen_colour, layers.sheen_roughness), ([0.1, 0.2, 0.3], 0.8));
     assert_eq!((layers.transmission, layers.is_volume), (0.45, 1));
+    let [along, across] = layers.anisotropy_direction;
+    assert!(layers.anisotropy == 0.3 && along.abs() < 1e-6 && across == 1.0, "{layers:?}");
+    assert_eq!((layers.iridescence, layers.iridescence_eta, layers.iridescence_thickness), (0.9, 1.7, 250.0));
+    assert_eq!((layers.diffuse_transmission, layers.diffuse_transmission_colour), (0.2, [0.5, 1.0, 0.0]));
+    assert_eq!(layers.dispersion, 0.7);
     // -ln(0.5) / 2, nothing, and as good as black.
     assert!((layers.absorption[0] - 0.346_574).abs() < 1e-5 && layers.absorption[1] == 0.0, "{:?}", layers.absorption);
     assert_eq!(layers.absorption[2], 35.0);
@@ -595,9 +605,10 @@ fn layers_reach_the_material() {
     assert_eq!(channel(PROPERTY_CLEARCOAT_ROUGHNESS), Some(1));
     assert_eq!(textures.normal_scale, 0.5);
     assert_eq!(scene.textures[textures.normal as usize].row_u, [2.0, 0.0, 0.0]);
-    assert_eq!(channel(PROPERTY_CLEARCOAT), None, "another set of coordinates");
+    assert_eq!(channel(PROPERTY_CLEARCOAT), Some(0));
+    assert!(scene.textures.iter().any(|texture| texture.sampling & SECOND_UVS_BIT != 0), "another set of coordinates");
     assert_eq!(scene.images.len(), 2, "one image as colours, one as numbers");
-    for expected in ["'KHR_materials_iridescence' is not read", "clearcoatTexture uses TEXCOORD_1"] {
+    for expected in ["'KHR_materials_unknown' is not read", "it has no TEXCOORD_1"] {
         assert!(scene.warnings.iter().any(|warning| warning.contains(expected)), "{expected}: {:?}", scene.warnings);
     }
 }

@@ -2,8 +2,10 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::common::gltf::{F32, FOUR, Gltf, U8, U16, floats, matte, merge, sun, textured, with};
-use crate::common::{assert_mean, assert_same_mean, average, backends, render, settings, with_gpu};
+use crate::common::gltf::{
+    F32, FOUR, FOUR_LINEAR, Gltf, SQUARE_UVS, U8, U16, floats, matte, merge, sun, textured, with,
+};
+use crate::common::{assert_mean, assert_same_mean, average, backends, render, settings, tile_average, with_gpu};
 use base64::Engine;
 use glam::Vec3;
 use lumbre::render::film::Film;
@@ -349,4 +351,192 @@ fn what_cannot_be_decompressed_says_so() {
     file.json["accessors"][position].as_object_mut().unwrap().remove("bufferView");
     let message = file.try_load(&[]).unwrap_err().to_string();
     assert!(message.contains("meshes[0].primitives[0]: its data are in KHR_draco_mesh_compression"), "{message}");
+}
+
+/// A square of one colour everywhere under a sun that comes from an angle off the camera's axis, towards x or y: its radiance.
+fn shine(material: Value, tilt: f64, towards_y: bool) -> f64 {
+    let mut file = Gltf::new();
+    let normals = file.accessor(&floats(&[0.0, 0.0, 1.0].repeat(4)), F32, "VEC3", 4, json!({}));
+    let mesh = file.square(material, json!({"attributes": {"NORMAL": normals}}));
+    file.node(json!({"mesh": mesh}));
+    let (sin, cos) = (0.5 * tilt).sin_cos();
+    // Turned so that it comes from +x or +y.
+    let turn = if towards_y { json!([-sin, 0, 0, cos]) } else { json!([0, sin, 0, cos]) };
+    file.light(json!({"type": "directional", "intensity": 1}), json!({"rotation": turn}));
+    average(&film(&file.load(), "path", 4))[0].mean
+}
+
+/// A highlight is wider along the tangent, or along what the rotation makes of it (KHR_materials_anisotropy).
+#[test]
+fn anisotropy_widens_the_highlight_along_its_direction() {
+    let (roughness, strength, tilt) = (0.5f64, 0.8f64, 0.6f64);
+    let metal = |rotation: f64| {
+        json!({
+            "pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": roughness},
+            "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": strength, "anisotropyRotation": rotation}}
+        })
+    };
+    // D G2 / (4 cos): GGX with a slope of tan(tilt / 2) along one axis, seen along the normal, with alpha (a + (1 - a) s^2, a).
+    let alpha = roughness * roughness;
+    let wide = alpha + (1.0 - alpha) * strength * strength;
+    let expected = |along: f64| {
+        let (sin, cos) = (0.5 * tilt).sin_cos();
+        let e = (sin / along).powi(2) + cos * cos;
+        let d = 1.0 / (PI * wide * alpha * e * e);
+        let lambda = 0.5 * ((1.0 + (along * tilt.tan()).powi(2)).sqrt() - 1.0);
+        d / (1.0 + lambda) / 4.0
+    };
+    for (rotation, towards_y, along) in
+        [(0.0, false, wide), (0.0, true, alpha), (0.5 * PI, false, alpha), (0.5 * PI, true, wide), (PI, false, wide)]
+    {
+        let found = shine(metal(rotation), tilt, towards_y);
+        let expected = expected(along);
+        assert!((found / expected - 1.0).abs() < 1e-3, "{rotation} {towards_y}: {found} against {expected}");
+    }
+    // Halfway between the axes it does matter which way round the rotation goes.
+    let [one, other] = [0.25 * PI, -0.25 * PI].map(|rotation| shine(metal(rotation), tilt, true));
+    assert!((one / other - 1.0).abs() < 1e-3, "{one} {other}");
+}
+
+/// Of a film without thickness nothing is seen; of another one colours, which turn with the angle.
+#[test]
+fn thin_films_have_colours() {
+    let film = |thickness: f64| {
+        json!({
+            "pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": 0.3, "baseColorFactor": [0.5, 0.5, 0.5, 1]},
+            "extensions": {"KHR_materials_iridescence":
+                {"iridescenceFactor": 1, "iridescenceIor": 1.8, "iridescenceThicknessMaximum": thickness}}
+        })
+    };
+    let mut plain = film(0.0);
+    let vanished = shine(film(0.0), 0.3, false);
+    plain["extensions"] = json!({});
+    let bare = shine(plain, 0.3, false);
+    assert!((vanished / bare - 1.0).abs() < 1e-2, "{vanished} {bare}");
+    let red = [200.0, 280.0, 360.0].map(|thickness| shine(film(thickness), 0.3, false));
+    assert!(red.iter().any(|red| (red / bare - 1.0).abs() > 0.2), "{red:?} {bare}");
+}
+
+/// What is scattered to the other side (KHR_materials_diffuse_transmission), of a leaf that reflects nothing at its surface.
+#[test]
+fn leaves_let_diffuse_light_through() {
+    let leaf = json!({"extensions": {"KHR_materials_diffuse_transmission":
+        {"diffuseTransmissionFactor": 0.25, "diffuseTransmissionColorFactor": [0.5, 0.5, 0.5]}}});
+    for (what, half_turn, expected) in
+        [("lit from the front", false, 0.75 * 0.8), ("lit from behind", true, 0.25 * 0.5)]
+    {
+        let mut file = Gltf::new();
+        let mesh = file.square(with(matte([0.8; 3]), leaf.clone()), json!({}));
+        file.node(json!({"mesh": mesh}));
+        let turn = if half_turn { json!([0, 1, 0, 0]) } else { json!([0, 0, 0, 1]) };
+        file.light(json!({"type": "directional", "intensity": PI}), json!({"rotation": turn}));
+        mean(what, &file.load(), 4, expected);
+    }
+}
+
+/// A clear coat follows its own map of normals, and not that of what it covers.
+#[test]
+fn clear_coats_have_normals_of_their_own() {
+    let tilted = [[204u8, 128, 230, 255]; 4]; // (0.6, 0, 0.8)
+    let shine = |base_map: bool, coat_map: bool| {
+        let mut file = textured(&tilted, json!({}));
+        let map = json!({"index": 0});
+        let coat = json!({"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.3});
+        let mut material = with(matte([0.0; 3]), json!({"extensions": {"KHR_materials_clearcoat": coat}}));
+        if base_map {
+            merge(&mut material, json!({"normalTexture": map}));
+        }
+        if coat_map {
+            merge(&mut material, json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatNormalTexture": map}}}));
+        }
+        file.json["materials"][0] = material;
+        // From where a mirror with that normal sends its light to the camera: 2 atan(3/4) off the axis, towards x.
+        let (sin, cos) = 0.75f64.atan().sin_cos();
+        file.json["nodes"].as_array_mut().unwrap().last_mut().unwrap()["rotation"] = json!([0, sin, 0, cos]);
+        average(&film(&file.load(), "path", 16))[0].mean
+    };
+    let (plain, base, coat) = (shine(false, false), shine(true, false), shine(false, true));
+    assert!((plain / base - 1.0).abs() < 1e-3, "{plain} {base}");
+    assert!(coat > 50.0 * plain, "{coat} {plain}");
+}
+
+/// Two textures of a material by two sets of texture coordinates, for paths that meet a light and for those that sample it.
+#[test]
+fn materials_have_two_sets_of_texture_coordinates() {
+    let mut file = textured(&FOUR, json!({}));
+    // The second set turns the image by half a turn.
+    let turned: Vec<f32> = SQUARE_UVS.iter().map(|value| 1.0 - value).collect();
+    let turned = file.accessor(&floats(&turned), F32, "VEC2", 4, json!({}));
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(turned);
+    let emission = json!({"emissiveFactor": [0.5, 0.5, 0.5], "emissiveTexture": {"index": 0, "texCoord": 1}});
+    merge(&mut file.json["materials"][0], emission);
+    let scene = file.load();
+    let seen = film(&scene, "path", 256);
+    for (quarter, (x, y)) in [(0, 0), (8, 0), (0, 8), (8, 8)].into_iter().enumerate() {
+        let found = tile_average(&seen, x..x + 8, y..y + 8);
+        for (channel, found) in found.into_iter().enumerate() {
+            let expected = FOUR_LINEAR[quarter][channel] + 0.5 * FOUR_LINEAR[3 - quarter][channel];
+            let what = format!("quarter {quarter}, channel {channel}");
+            if expected == 0.0 {
+                assert_eq!(found.mean, 0.0, "{what}");
+            } else {
+                assert_mean(&what, found, expected);
+            }
+        }
+    }
+    // As a lamp before a wall: next-event estimation sees the image that paths run into.
+    file.json["materials"][0]["doubleSided"] = json!(true);
+    file.json["nodes"][1]["translation"] = json!([0, 0, 5.5]);
+    file.json["scenes"][0]["nodes"] = json!([0, 1]);
+    let wall = file.square(matte([0.8; 3]), json!({}));
+    file.node(json!({"mesh": wall, "translation": [0, 0, 4]}));
+    let scene = file.load();
+    let (path, implicit) = (film(&scene, "path", 64), film(&scene, "path-implicit", 1024));
+    assert_same_mean("light by the second set", &path, &implicit, 8);
+}
+
+/// What textures say of the later optics.
+#[test]
+fn textures_change_the_later_optics() {
+    let texel = |texel: [u8; 4]| {
+        let mut file = textured(&[texel; 4], json!({}));
+        file.json["scenes"][0]["nodes"] = json!([0, 1]);
+        file
+    };
+    let shine = |file: &mut Gltf, material: Value, turn: Value| {
+        file.json["materials"][0] = material;
+        file.light(json!({"type": "directional", "intensity": 1}), json!({"rotation": turn}));
+        average(&film(&file.load(), "path", 4))[0].mean
+    };
+    // A direction of (0, 1) in the texture is a rotation by a quarter; blue halves the strength.
+    let (sin, cos) = 0.3f64.sin_cos();
+    let metal = |strength: f64, rotation: f64, more: Value| {
+        let anisotropy = with(json!({"anisotropyStrength": strength, "anisotropyRotation": rotation}), more);
+        json!({"pbrMetallicRoughness": {"roughnessFactor": 0.5}, "extensions": {"KHR_materials_anisotropy": anisotropy}})
+    };
+    for turn in [json!([0, sin, 0, cos]), json!([-sin, 0, 0, cos])] {
+        let textured = metal(0.8, 0.0, json!({"anisotropyTexture": {"index": 0}}));
+        let found = shine(&mut texel([128, 255, 128, 255]), textured, turn.clone());
+        let expected = shine(&mut texel([0; 4]), metal(0.8 * 128.0 / 255.0, 0.5 * PI, json!({})), turn);
+        assert!((found / expected - 1.0).abs() < 2e-2, "{found} {expected}");
+    }
+    // Half of the share, of another colour; half way between two thicknesses.
+    let behind = json!([0, 1, 0, 0]);
+    let leaf = json!({"extensions": {"KHR_materials_diffuse_transmission":
+        {"diffuseTransmissionFactor": 0.5, "diffuseTransmissionTexture": {"index": 0}, "diffuseTransmissionColorTexture": {"index": 0}}}});
+    let found = shine(&mut texel([255, 0, 0, 128]), with(matte([0.8; 3]), leaf), behind);
+    assert!((found * PI / (0.5 * 128.0 / 255.0) - 1.0).abs() < 1e-3, "{found}");
+    let film_of = |more: Value| {
+        let film = with(
+            json!({"iridescenceFactor": 1, "iridescenceThicknessMinimum": 200, "iridescenceThicknessMaximum": 300}),
+            more,
+        );
+        json!({"pbrMetallicRoughness": {"roughnessFactor": 0.3, "baseColorFactor": [0.5, 0.5, 0.5, 1]}, "extensions": {"KHR_materials_iridescence": film}})
+    };
+    let straight = json!([0, 0, 0, 1]);
+    let textured = film_of(json!({"iridescenceThicknessTexture": {"index": 0}}));
+    let found = shine(&mut texel([255, 128, 0, 255]), textured, straight.clone());
+    let thickness = 200.0 + 100.0 * 128.0 / 255.0;
+    let expected = shine(&mut texel([0; 4]), film_of(json!({"iridescenceThicknessMaximum": thickness})), straight);
+    assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
 }

@@ -42,6 +42,14 @@ struct TexturePlace {
 
 TexturePlace place_at(vec2 uv) { return TexturePlace(uv, uvec3(NONE), vec3(0.0)); }
 
+// The texture coordinates that it is looked up by: the first set, or the second.
+vec2 place_uv(Texture t, TexturePlace place) {
+    if (!HAS_SECOND_UVS || (t.sampling & SECOND_UVS_BIT) == 0u) return place.uv;
+    if (place.corners.x == NONE) return vec2(0.0);
+    Vectors2 uvs = Vectors2(scene.second_uvs);
+    return place.weights.x * uvs.at[place.corners.x] + place.weights.y * uvs.at[place.corners.y] + place.weights.z * uvs.at[place.corners.z];
+}
+
 // Where `uv` of a surface lies in the texture.
 vec2 texture_position(Texture t, vec2 uv) { return vec2(dot(t.row_u, vec3(uv, 1.0)), dot(t.row_v, vec3(uv, 1.0))); }
 
@@ -136,7 +144,7 @@ vec4 attribute_value(Texture t, TexturePlace place) {
 vec4 texture_value(Texture t, TexturePlace place, float side) {
     if (is_checkerboard(t)) return shows_first(t, place.uv) ? t.scale : t.offset;
     vec4 value = vec4(0.0);
-    vec2 position = texture_position(t, place.uv);
+    vec2 position = texture_position(t, place_uv(t, place));
     if (HAS_ATTRIBUTES && t.kind == TEXTURE_ATTRIBUTE) value = attribute_value(t, place);
     else value = HAS_MIP_MAPS ? levels_value(t, position, side) : filtered_value(t, position);
     return value * t.scale + t.offset;

@@ -10,7 +10,9 @@ vec3 triangle_light_factor(Light light, vec2 b) {
         Vectors4 colours = Vectors4(scene.colours);
         alpha = (1.0 - b.x - b.y) * colours.at[light.corners.x].a + b.x * colours.at[light.corners.y].a + b.y * colours.at[light.corners.z].a;
     }
-    return emission_factor(load_surface(light.source), place_at(uv), alpha); // attributes do not emit: scene/compile/attributes.rs
+    TexturePlace place = place_at(uv);
+    if (HAS_SECOND_UVS) place = TexturePlace(uv, light.corners, vec3(1.0 - b.x - b.y, b));
+    return emission_factor(load_surface(light.source), place, alpha); // attributes do not emit: scene/compile/attributes.rs
 }
 
 LightSample triangle_light_sample(Light light, vec3 p, vec2 u) {

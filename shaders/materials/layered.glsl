@@ -1,5 +1,5 @@
 // The layered material of glTF 2.0 (Khronos, glTF 2.0 specification, appendix B; extensions KHR_materials_specular, _ior,
-// _transmission, _volume, _clearcoat, _sheen). From the inside out: diffuse scattering or transmission, a dielectric or metallic
+// _transmission, _volume, _clearcoat, _sheen, _anisotropy, _iridescence, _diffuse_transmission, _dispersion). From the inside out: diffuse scattering or transmission, a dielectric or metallic
 // reflection (GGX, correlated masking, Schlick's Fresnel), a clear coat, sheen.
 //
 // m.reflectance is the base colour, m.eta the index of refraction, m.alpha_u the perceptual roughness. Deviations: the clear
@@ -13,9 +13,80 @@ float largest_channel(vec3 c) { return max(c.x, max(c.y, c.z)); }
 
 float layered_alpha(float roughness) { return max(1e-3, roughness * roughness); }
 
+// The base's alpha along the direction of its anisotropy and across it (KHR_materials_anisotropy).
+vec2 layered_alphas(Material m, Layered l) {
+    float alpha = layered_alpha(m.alpha_u);
+    return vec2(HAS_LAYERED_ANISOTROPY ? mix(alpha, 1.0, l.anisotropy * l.anisotropy) : alpha, alpha);
+}
+
+// Turns the direction of the anisotropy by the angle of another one.
+void turn_anisotropy(inout Layered l, vec2 by) {
+    float length2 = dot(by, by);
+    if (length2 == 0.0) return;
+    by *= inversesqrt(length2);
+    vec2 d = l.anisotropy_direction;
+    l.anisotropy_direction = vec2(by.x * d.x - by.y * d.y, by.x * d.y + by.y * d.x);
+}
+
+// A direction in the frame whose first axis is that of the anisotropy, and back (`way` -1).
+vec3 layered_turned(Layered l, vec3 w, float way) {
+    if (!HAS_LAYERED_ANISOTROPY) return w;
+    vec2 d = vec2(l.anisotropy_direction.x, way * l.anisotropy_direction.y);
+    return vec3(d.x * w.x + d.y * w.y, d.x * w.y - d.y * w.x, w.z);
+}
+
 vec3 layered_f0(Material m, Layered l) {
     float r = (m.eta - 1.0) / (m.eta + 1.0);
     return min(r * r * l.specular_colour, vec3(1.0)) * l.specular;
+}
+
+// Square of the contrast of interference under a phase, as linear sRGB, for a difference of paths in nm and phase shifts by channel (Belcour
+// and Barla 2017, "A practical extension to microfacet theory for the modeling of varying iridescence", equation 18 with the fit of its
+// supplement; so does KHR_materials_iridescence).
+vec3 film_sensitivity(float path, vec3 shift) {
+    float phase = 2.0e-9 * PI * path;
+    vec3 height = vec3(5.4856e-13, 4.4201e-13, 5.2481e-13);
+    vec3 centre = vec3(1.6810e6, 1.7953e6, 2.2084e6);
+    vec3 variance = vec3(4.3278e9, 9.3046e9, 6.6121e9);
+    vec3 xyz = height * sqrt(2.0 * PI * variance) * cos(centre * phase + shift) * exp(-phase * phase * variance);
+    xyz.x += 9.7470e-14 * sqrt(2.0 * PI * 4.5282e9) * cos(2.2399e6 * phase + shift.x) * exp(-4.5282e9 * phase * phase);
+    xyz /= 1.0685e-7;
+    return vec3(dot(vec3(3.2404542, -1.5371385, -0.4985314), xyz), dot(vec3(-0.9692660, 1.8760108, 0.0415560), xyz),
+                dot(vec3(0.0556434, -0.2040259, 1.0572252), xyz));
+}
+
+float square(float x) { return x * x; }
+
+// Reflectance of a film over a base that reflects `base` at normal incidence, for a cosine to the half vector outside (KHR_materials_iridescence).
+vec3 film_reflectance(Layered l, float cosine, vec3 base) {
+    // A film that vanishes takes the outside's index with it.
+    float film = mix(1.0, l.iridescence_eta, smoothstep(0.0, 0.03, l.iridescence_thickness));
+    float cos2_film = 1.0 - (1.0 - cosine * cosine) / (film * film);
+    if (cos2_film < 0.0) return vec3(1.0);
+    float cos_film = sqrt(cos2_film);
+    float first = mix(square((film - 1.0) / (film + 1.0)), 1.0, schlick_weight(cosine));
+    float passed = 1.0 - first;
+    vec3 root = sqrt(clamp(base, 0.0, 0.9999));
+    vec3 eta = (1.0 + root) / (1.0 - root);
+    vec3 ratio = (eta - film) / (eta + film);
+    vec3 second = mix(ratio * ratio, vec3(1.0), schlick_weight(cos_film));
+    vec3 shift = vec3(film < 1.0 ? 0.0 : PI) + vec3(eta.x < film ? PI : 0.0, eta.y < film ? PI : 0.0, eta.z < film ? PI : 0.0);
+    float path = 2.0 * film * l.iridescence_thickness * cos_film;
+    vec3 both = clamp(first * second, 1e-5, 0.9999);
+    vec3 share = passed * passed * second / (1.0 - both);
+    vec3 reflected = first + share;
+    vec3 term = share - passed;
+    for (int order = 1; order <= 2; order++) {
+        term *= sqrt(both);
+        reflected += term * (2.0 * film_sensitivity(float(order) * path, float(order) * shift));
+    }
+    return clamp(reflected, 0.0, 1.0);
+}
+
+// A reflectance of a base that reflects `base` at normal incidence, with the film over it.
+vec3 layered_with_film(Layered l, vec3 reflectance, vec3 base, float cos_h) {
+    if (!HAS_LAYERED_IRIDESCENCE || l.iridescence == 0.0) return reflectance;
+    return mix(reflectance, film_reflectance(l, abs(cos_h), base), l.iridescence);
 }
 
 // Reflectance of the dielectric for a cosine to the half vector: on the side of the outside, or `inside` of a volume.
@@ -27,8 +98,18 @@ vec3 layered_fresnel(Material m, Layered l, float cos_h, bool inside) {
     } else {
         weight = schlick_weight(abs(cos_h));
     }
-    return mix(layered_f0(m, l), vec3(l.specular), weight);
+    vec3 f0 = layered_f0(m, l);
+    vec3 f = mix(f0, vec3(l.specular), weight);
+    return inside ? f : layered_with_film(l, f, f0, cos_h);
 }
+
+// Reflectance of the metal.
+vec3 layered_metal(Material m, Layered l, float cos_h) {
+    return layered_with_film(l, mix(m.reflectance, vec3(1.0), schlick_weight(cos_h)), m.reflectance, cos_h);
+}
+
+// Share of the diffuse light that comes out on the other side.
+float layered_diffuse_passage(Layered l) { return HAS_LAYERED_DIFFUSE_TRANSMISSION ? l.diffuse_transmission : 0.0; }
 
 // Charlie sheen (Estevez and Kulla 2017): distribution and a fit of its masking.
 float charlie_d(float cos_h, float alpha) {
@@ -92,23 +173,51 @@ float layered_under_sheen(Layered l, vec3 wo, vec3 wi) {
 // What the clear coat reflects, seen from outside under this cosine.
 float layered_coat(Layered l, float cosine) { return !HAS_LAYERED_CLEARCOAT ? 0.0 : l.clearcoat * mix(0.04, 1.0, schlick_weight(abs(cosine))); }
 
+// A direction in the frame of the clear coat's normal, and back.
+vec3 coat_local(Layered l, vec3 w) { return HAS_COAT_NORMALS ? to_local(basis_from_normal(l.clearcoat_normal), w) : w; }
+vec3 coat_back(Layered l, vec3 w) { return HAS_COAT_NORMALS ? to_world(basis_from_normal(l.clearcoat_normal), w) : w; }
+
+// Whether the coat is seen from the side that the surface is.
+bool coat_faces(Layered l, vec3 w) { return !HAS_COAT_NORMALS || dot(l.clearcoat_normal, w) * w.z > 0.0; }
+
+// f |cos_i| of a coat of reflectance 1. Where its normal is another than the surface's, each cosine is the larger one of both: the same both ways, and no more than
+// the coat alone would give back.
+float layered_coat_lobe(Layered l, vec3 wo, vec3 wi) {
+    if (!coat_faces(l, wo) || !coat_faces(l, wi)) return 0.0;
+    vec3 co = coat_local(l, wo), ci = coat_local(l, wi);
+    vec3 h = normalize(co + ci);
+    vec2 alpha = vec2(layered_alpha(l.clearcoat_roughness));
+    float lobe = ggx_d(h.z < 0.0 ? -h : h, alpha) * ggx_g2(co, ci, alpha, true) * 0.25;
+    if (!HAS_COAT_NORMALS) return lobe / abs(wo.z);
+    return lobe * abs(wi.z) / (max(abs(co.z), abs(wo.z)) * max(abs(ci.z), abs(wi.z)));
+}
+
+// Its density where it is sampled.
+float layered_coat_pdf(Layered l, vec3 wo, vec3 wi) {
+    if (!coat_faces(l, wi)) return 0.0;
+    vec3 co = coat_local(l, wo);
+    vec3 h = normalize(co + coat_local(l, wi));
+    vec3 up = co.z > 0.0 ? co : -co;
+    return ggx_visible_pdf(up, h.z < 0.0 ? -h : h, vec2(layered_alpha(l.clearcoat_roughness))) / (4.0 * abs(dot(co, h)));
+}
+
 // What the clear coat leaves for the layers under it. Inside of a volume there is no coat to cross first.
 float layered_under_coat(Layered l, vec3 wo, vec3 wi) {
     bool volume = layered_refracts(l);
-    float coat_o = wo.z < 0.0 && volume ? 0.0 : layered_coat(l, wo.z);
-    float coat_i = wi.z < 0.0 && volume ? 0.0 : layered_coat(l, wi.z);
+    float coat_o = wo.z < 0.0 && volume ? 0.0 : layered_coat(l, coat_local(l, wo).z);
+    float coat_i = wi.z < 0.0 && volume ? 0.0 : layered_coat(l, coat_local(l, wi).z);
     return 1.0 - max(coat_o, coat_i);
 }
 
 // Probabilities of sampling the diffuse lobe (which serves the sheen too), the clear coat and the microfacets.
 vec3 layered_lobes(Material m, Layered l, vec3 wo) {
     bool inside = wo.z < 0.0 && layered_refracts(l);
-    if (inside) return vec3(0.0, 0.0, 1.0);
-    float f = largest_channel(layered_fresnel(m, l, wo.z, false));
+    if (inside && layered_diffuse_passage(l) == 0.0) return vec3(0.0, 0.0, 1.0);
+    float f = largest_channel(layered_fresnel(m, l, wo.z, inside));
     // At grazing angles the half vectors that scatter diffusely reflect far less than the surface's normal says.
     float passed = (1.0 - l.metallic) * max(1.0 - f, 0.5);
-    float diffuse = passed * (1.0 - l.transmission) + 0.3 * largest_channel(l.sheen_colour);
-    float coat = layered_coat(l, wo.z);
+    float diffuse = passed * (1.0 - l.transmission) + (inside ? 0.0 : 0.3 * largest_channel(l.sheen_colour));
+    float coat = inside || !coat_faces(l, wo) ? 0.0 : layered_coat(l, coat_local(l, wo).z);
     float microfacets = max(l.metallic + (1.0 - l.metallic) * f + passed * l.transmission, 0.02);
     return vec3(diffuse, coat, microfacets) / (diffuse + coat + microfacets);
 }
@@ -135,44 +244,55 @@ vec3 layered_half(Material m, Layered l, vec3 wo, vec3 wi) {
     return h.z < 0.0 ? -h : h;
 }
 
-vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
+// f |cos_i| at the material's one index of refraction.
+vec3 layered_eval_at(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return vec3(0.0);
     bool reflected = wo.z * wi.z > 0.0;
-    if (!reflected && (!HAS_LAYERED_TRANSMISSION || l.transmission == 0.0)) return vec3(0.0);
+    float diffuse_passage = layered_diffuse_passage(l);
+    bool transmits = HAS_LAYERED_TRANSMISSION && l.transmission > 0.0;
+    if (!reflected && !transmits && diffuse_passage == 0.0) return vec3(0.0);
+    wo = layered_turned(l, wo, 1.0);
+    wi = layered_turned(l, wi, 1.0);
+    if (HAS_COAT_NORMALS) l.clearcoat_normal = layered_turned(l, l.clearcoat_normal, 1.0);
     bool inside = wo.z < 0.0 && layered_refracts(l);
     bool refracted = !reflected && layered_refracts(l);
+    float cos_i = abs(wi.z);
+    float under_sheen = layered_under_sheen(l, wo, wi);
+    float under = layered_under_coat(l, wo, wi) * under_sheen;
+    vec3 value = vec3(0.0);
+    if (!reflected && diffuse_passage > 0.0 && takes_lobes(m, false)) {
+        // What is not reflected, as through a thin wall: the same both ways.
+        float passed = 1.0 - largest_channel(layered_fresnel(m, l, half_cosine(wo, mirrored(wi)), false));
+        float share = (1.0 - l.metallic) * (1.0 - l.transmission) * diffuse_passage * passed;
+        value = l.diffuse_transmission_colour * (share * cos_i * INV_PI * under);
+    }
+    if (!reflected && !transmits) return value;
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    if (refracted && (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0)) return vec3(0.0);
+    if (refracted && (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0)) return value;
     // Straight through a thin wall, microfacets scatter light as if they reflected it.
     vec3 facing = reflected || refracted ? wi : mirrored(wi);
     // Where light is refracted, the cosine outside is known from either side.
     float cos_h = refracted ? (inside ? wi_h : wo_h) : half_cosine(wo, facing);
     vec3 f = layered_fresnel(m, l, cos_h, reflected && inside);
-    vec2 alpha = vec2(layered_alpha(m.alpha_u));
+    vec2 alpha = layered_alphas(m, l);
     float visible = takes_lobes(m, is_narrow(alpha)) ? ggx_d(h, alpha) * ggx_g2(wo, facing, alpha, true) : 0.0;
-    float cos_i = abs(wi.z);
-    float under_sheen = layered_under_sheen(l, wo, wi);
-    float under = layered_under_coat(l, wo, wi) * under_sheen;
     if (!reflected) {
         vec3 through = m.reflectance * ((1.0 - l.metallic) * l.transmission) * (1.0 - largest_channel(f));
-        if (!refracted) return through * (visible / (4.0 * abs(wo.z))) * under;
+        if (!refracted) return value + through * (visible / (4.0 * abs(wo.z))) * under;
         float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
         float denominator = (near * wo_h + far * wi_h) / near;
-        return through * (visible * abs(wo_h * wi_h / (wo.z * denominator * denominator))) * under;
+        return value + through * (visible * abs(wo_h * wi_h / (wo.z * denominator * denominator))) * under;
     }
     float shine = visible / (4.0 * abs(wo.z));
-    vec3 metal = mix(m.reflectance, vec3(1.0), schlick_weight(cos_h));
-    vec3 value = (l.metallic * metal + (1.0 - l.metallic) * f) * shine;
-    if (inside) return value;
-    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - largest_channel(f));
-    if (takes_lobes(m, false)) value += m.reflectance * (diffuse * cos_i * INV_PI);
+    value = (l.metallic * layered_metal(m, l, cos_h) + (1.0 - l.metallic) * f) * shine;
+    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - diffuse_passage) * (1.0 - largest_channel(f));
+    if (!takes_lobes(m, false)) diffuse = 0.0;
+    if (inside) return diffuse_passage > 0.0 ? value + m.reflectance * (diffuse * cos_i * INV_PI) : value;
+    value += m.reflectance * (diffuse * cos_i * INV_PI);
     value *= under;
-    vec2 coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
-    if (HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0 && takes_lobes(m, is_narrow(coat_alpha))) {
-        float coat = layered_coat(l, cos_h) * under_sheen;
-        value += coat * ggx_d(h, coat_alpha) * ggx_g2(wo, wi, coat_alpha, true) / (4.0 * abs(wo.z));
-    }
+    bool takes_coat = takes_lobes(m, is_narrow(vec2(layered_alpha(l.clearcoat_roughness))));
+    if (HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0 && takes_coat) value += layered_coat(l, cos_h) * under_sheen * layered_coat_lobe(l, wo, wi);
     if (HAS_LAYERED_SHEEN && l.sheen_colour != vec3(0.0) && takes_lobes(m, false)) {
         vec3 up_o = vec3(wo.xy, abs(wo.z)), up_i = vec3(wi.xy, abs(wi.z));
         value += l.sheen_colour * (charlie_sheen(up_o, up_i, charlie_alpha(l)) * cos_i);
@@ -180,34 +300,76 @@ vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
     return value;
 }
 
-float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
+float layered_pdf_at(Material m, Layered l, vec3 wo, vec3 wi) {
     if (wo.z == 0.0 || wi.z == 0.0) return 0.0;
     bool reflected = wo.z * wi.z > 0.0;
-    if (!reflected && !HAS_LAYERED_TRANSMISSION) return 0.0;
+    float diffuse_passage = layered_diffuse_passage(l);
+    if (!reflected && !HAS_LAYERED_TRANSMISSION && diffuse_passage == 0.0) return 0.0;
+    wo = layered_turned(l, wo, 1.0);
+    wi = layered_turned(l, wi, 1.0);
+    if (HAS_COAT_NORMALS) l.clearcoat_normal = layered_turned(l, l.clearcoat_normal, 1.0);
     bool inside = wo.z < 0.0 && layered_refracts(l);
     vec3 up = wo.z > 0.0 ? wo : -wo; // ggx_visible_pdf takes h on the side of +z
     vec3 lobes = layered_lobes(m, l, wo);
+    float pdf = 0.0;
+    if (takes_lobes(m, false)) pdf = lobes.x * (reflected ? 1.0 - diffuse_passage : diffuse_passage) * abs(wi.z) * INV_PI;
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
-    vec2 alpha = vec2(layered_alpha(m.alpha_u)), coat_alpha = vec2(layered_alpha(l.clearcoat_roughness));
+    vec2 alpha = layered_alphas(m, l);
     float visible = takes_lobes(m, is_narrow(alpha)) ? lobes.z * ggx_visible_pdf(up, h, alpha) : 0.0;
     float passage = layered_passage(l, layered_fresnel(m, l, !reflected && inside ? wi_h : wo_h, reflected && inside));
     if (!reflected) {
-        if (!layered_refracts(l)) return passage * visible / (4.0 * abs(wo_h));
-        if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return 0.0;
+        if (!HAS_LAYERED_TRANSMISSION) return pdf;
+        if (!layered_refracts(l)) return pdf + passage * visible / (4.0 * abs(wo_h));
+        if (wo_h * wo.z <= 0.0 || wi_h * wi.z <= 0.0) return pdf;
         float near = inside ? m.eta : 1.0, far = inside ? 1.0 : m.eta;
         float denominator = (near * wo_h + far * wi_h) / far;
-        return passage * visible * abs(wi_h) / (denominator * denominator);
+        return pdf + passage * visible * abs(wi_h) / (denominator * denominator);
     }
-    float pdf = (1.0 - passage) * visible / (4.0 * abs(wo_h));
-    if (takes_lobes(m, false)) pdf += lobes.x * abs(wi.z) * INV_PI;
-    if (HAS_LAYERED_CLEARCOAT && lobes.y > 0.0 && takes_lobes(m, is_narrow(coat_alpha)))
-        pdf += lobes.y * ggx_visible_pdf(up, h, coat_alpha) / (4.0 * abs(wo_h));
+    pdf += (1.0 - passage) * visible / (4.0 * abs(wo_h));
+    bool takes_coat = takes_lobes(m, is_narrow(vec2(layered_alpha(l.clearcoat_roughness))));
+    if (HAS_LAYERED_CLEARCOAT && lobes.y > 0.0 && takes_coat) pdf += lobes.y * layered_coat_pdf(l, wo, wi);
+    return pdf;
+}
+
+// The index of refraction of red, green or blue (KHR_materials_dispersion: spread by (eta - 1) / 40 for each unit of dispersion).
+float layered_eta(Material m, Layered l, uint channel) {
+    float spread = (m.eta - 1.0) * 0.025 * l.dispersion;
+    return max(1.001, m.eta + (float(channel) - 1.0) * spread);
+}
+
+// Where it disperses, each channel has an index of its own: a sample takes that of one, by chance, and its density is the mean of theirs.
+vec3 layered_eval(Material m, Layered l, vec3 wo, vec3 wi) {
+    if (!HAS_LAYERED_DISPERSION) return layered_eval_at(m, l, wo, wi);
+    vec3 value = vec3(0.0);
+    for (uint channel = 0u; channel < turns(3u); channel++) {
+        Material own = m;
+        own.eta = layered_eta(m, l, channel);
+        value[channel] = layered_eval_at(own, l, wo, wi)[channel];
+    }
+    return value;
+}
+
+float layered_pdf(Material m, Layered l, vec3 wo, vec3 wi) {
+    if (!HAS_LAYERED_DISPERSION) return layered_pdf_at(m, l, wo, wi);
+    float pdf = 0.0;
+    for (uint channel = 0u; channel < turns(3u); channel++) {
+        Material own = m;
+        own.eta = layered_eta(m, l, channel);
+        pdf += layered_pdf_at(own, l, wo, wi) * (1.0 / 3.0);
+    }
     return pdf;
 }
 
 BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
     BsdfSample none = bsdf_no_sample(wo);
+    if (HAS_LAYERED_DISPERSION) {
+        uint channel = min(uint(3.0 * u.z), 2u);
+        u.z = min(3.0 * u.z - float(channel), 0.99999994);
+        m.eta = layered_eta(m, l, channel);
+    }
+    wo = layered_turned(l, wo, 1.0);
+    if (HAS_COAT_NORMALS) l.clearcoat_normal = layered_turned(l, l.clearcoat_normal, 1.0);
     vec3 lobes = layered_lobes(m, l, wo);
     float side = wo.z > 0.0 ? 1.0 : -1.0;
     bool inside = wo.z < 0.0 && layered_refracts(l);
@@ -215,15 +377,18 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
     float eta = 1.0;
     bool through = false, narrow = false;
     if (u.z < lobes.x) {
-        wi = side * sample_cosine_hemisphere(u.xy);
+        through = u.z < lobes.x * layered_diffuse_passage(l);
+        wi = (through ? -side : side) * sample_cosine_hemisphere(u.xy);
     } else {
         bool coat = HAS_LAYERED_CLEARCOAT && u.z < lobes.x + lobes.y;
-        vec2 alpha = vec2(layered_alpha(coat ? l.clearcoat_roughness : m.alpha_u));
+        vec2 alpha = coat ? vec2(layered_alpha(l.clearcoat_roughness)) : layered_alphas(m, l);
         narrow = is_narrow(alpha);
-        vec3 h = ggx_sample_visible(side * wo, alpha, u.xy) * side;
+        vec3 h = side * ggx_sample_visible(side * (coat ? coat_local(l, wo) : wo), alpha, u.xy);
+        if (coat) h = coat_back(l, h);
         float cos_h = dot(wo, h);
         through = !coat && u.z >= 1.0 - lobes.z * layered_passage(l, layered_fresnel(m, l, cos_h, inside));
         wi = reflect(-wo, h);
+        if (coat && !coat_faces(l, wi)) return none;
         if (through && !layered_refracts(l)) wi = mirrored(wi);
         if (through && layered_refracts(l)) {
             eta = wo.z > 0.0 ? m.eta : 1.0 / m.eta;
@@ -234,5 +399,5 @@ BsdfSample layered_sample(Material m, Layered l, vec3 wo, vec3 u) {
         }
     }
     if ((wi.z * wo.z < 0.0) != through) return none;
-    return bsdf_open_sample(wi, eta, narrow);
+    return bsdf_open_sample(layered_turned(l, wi, -1.0), eta, narrow);
 }

@@ -96,10 +96,16 @@ Bsdf vertex_material(inout Vertex v, Ray ray, inout Sampler random) {
         v.flips = HAS_FLIPPED_NORMALS && v.mapped && (b.m.flags & MATERIAL_FLIPS_NORMALS) != 0u;
         if (v.flips) vertex_flip(v, ray, random);
         v.wo = to_local(v.basis, -ray.direction);
+        // A mesh's bitangent may point the other way than the frame's.
+        if (HAS_LAYERED_ANISOTROPY && v.at.tangent.w < 0.0) b.layered.anisotropy_direction.y = -b.layered.anisotropy_direction.y;
     }
     if (HAS_BACK_MATERIALS && !v.front && !bsdf_transmits(b)) {
         v.wo.z = -v.wo.z;
         v.turned = -1.0;
+    }
+    if (HAS_COAT_NORMALS && is_kind(b, HAS_LAYERED, MATERIAL_LAYERED)) {
+        vec3 normal = to_local(v.basis, coat_normal(v.at, b.layered));
+        b.layered.clearcoat_normal = vec3(v.turned * normal.xy, normal.z);
     }
     return b;
 }

@@ -20,6 +20,8 @@ macro_rules! scene_arrays {
                 normals: vec3 in Vectors, "normals";
                 /// Texture coordinates of vertices.
                 uvs: vec2 in Vectors2, "texture coordinates" if uvs;
+                /// A second set of them.
+                second_uvs: vec2 in Vectors2, "second texture coordinates" if second_uvs;
                 /// Tangents of vertices: direction, and the sign of the bitangent.
                 tangents: vec4 in Vectors4, "tangents" if tangents;
                 /// Vertex colours, linear red, green and blue, and opacity.

@@ -82,6 +82,8 @@ shared_constants! {
     pub const WRAP_CLAMP = 2;
     /// Flag on [`Texture::sampling`](super::Texture::sampling): the nearest texel instead of bilinear interpolation.
     pub const FILTER_NEAREST_BIT = 0x10000;
+    /// Flag on [`Texture::sampling`](super::Texture::sampling): the second set of the surface's texture coordinates instead of the first.
+    pub const SECOND_UVS_BIT = 0x20000;
     /// Cells of a rough plastic's table of transmittance.
     pub const PLASTIC_CELLS = 64;
     /// Values of a row of a [`Compensation`](super::Compensation)'s table.

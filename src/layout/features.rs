@@ -30,6 +30,10 @@ macro_rules! features {
             uvs HAS_UVS: bool "texture coordinates",
                 of |scene, census| reads_uvs(scene, census),
                 unspecialised |_| true;
+            /// Some texture is looked up by a second set of them.
+            second_uvs HAS_SECOND_UVS: bool "second texture coordinates",
+                of |scene, _| !scene.second_uvs.is_empty() && scene.textures.iter().any(|texture| texture.sampling & SECOND_UVS_BIT != 0),
+                unspecialised |own| own;
             /// Some shading basis follows the texture coordinates.
             tangents HAS_TANGENTS: bool "tangent frames",
                 of |_, census| census.flags & MATERIAL_HAS_TANGENTS != 0,
@@ -106,6 +110,10 @@ macro_rules! features {
             layered_clearcoat HAS_LAYERED_CLEARCOAT: bool "clear coats",
                 of |_, census| census.layered.iter().any(|layers| layers.clearcoat != 0.0),
                 unspecialised |_| true;
+            /// Some clear coat has normals that are not those of what it covers.
+            coat_normals HAS_COAT_NORMALS: bool "normals of clear coats",
+                of |_, census| has_coat_normals(census),
+                unspecialised |_| true;
             /// Some layered material lets light through.
             layered_transmission HAS_LAYERED_TRANSMISSION: bool "transmission",
                 of |_, census| census.layered.iter().any(|layers| layers.transmission != 0.0),
@@ -113,6 +121,22 @@ macro_rules! features {
             /// Some layered material bounds a volume.
             layered_volume HAS_LAYERED_VOLUME: bool "volumes",
                 of |_, census| census.layered.iter().any(|layers| layers.is_volume != 0),
+                unspecialised |_| true;
+            /// Some layered material has a highlight that is wider along one direction.
+            layered_anisotropy HAS_LAYERED_ANISOTROPY: bool "anisotropic layers",
+                of |_, census| census.layered.iter().any(|layers| layers.anisotropy != 0.0),
+                unspecialised |_| true;
+            /// Some layered material has a thin film.
+            layered_iridescence HAS_LAYERED_IRIDESCENCE: bool "iridescence",
+                of |_, census| census.layered.iter().any(|layers| layers.iridescence != 0.0),
+                unspecialised |_| true;
+            /// Some layered material scatters light to its other side.
+            layered_diffuse_transmission HAS_LAYERED_DIFFUSE_TRANSMISSION: bool "diffuse transmission",
+                of |_, census| census.layered.iter().any(|layers| layers.diffuse_transmission != 0.0),
+                unspecialised |_| true;
+            /// Some layered material's index of refraction depends on the wavelength.
+            layered_dispersion HAS_LAYERED_DISPERSION: bool "dispersion",
+                of |_, census| census.layered.iter().any(|layers| layers.dispersion != 0.0),
                 unspecialised |_| true;
             /// Some microfacets are Beckmann's.
             beckmann HAS_BECKMANN: bool "Beckmann microfacets",

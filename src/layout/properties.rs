@@ -78,6 +78,16 @@ properties! {
     PROPERTY_CLEARCOAT linear "b.layered.clearcoat *= channel;";
     /// The perceptual roughness of that coat.
     PROPERTY_CLEARCOAT_ROUGHNESS other "b.layered.clearcoat_roughness *= channel;";
+    /// Strength of a layered material's anisotropy (blue), and its direction in the tangent frame (red and green, -1 to 1).
+    PROPERTY_LAYERED_ANISOTROPY other "b.layered.anisotropy *= value.b; turn_anisotropy(b.layered, 2.0 * value.rg - 1.0);";
+    /// Strength of a layered material's thin film.
+    PROPERTY_IRIDESCENCE linear "b.layered.iridescence *= channel;";
+    /// Thickness of that film, between its least and its largest.
+    PROPERTY_IRIDESCENCE_THICKNESS other "b.layered.iridescence_thickness = mix(b.layered.iridescence_least, b.layered.iridescence_thickness, channel);";
+    /// Share of a layered material's diffuse light that comes out on the other side.
+    PROPERTY_DIFFUSE_TRANSMISSION linear "b.layered.diffuse_transmission *= channel;";
+    /// Colour of that light.
+    PROPERTY_DIFFUSE_TRANSMISSION_COLOUR linear "b.layered.diffuse_transmission_colour *= value.rgb;";
     /// Colour of a layered material's sheen.
     PROPERTY_SHEEN_COLOUR linear "b.layered.sheen_colour *= value.rgb;";
     /// The perceptual roughness of that sheen.

@@ -2,7 +2,7 @@
 
 #[allow(unused_imports)] // named by the documentation
 use super::constants::*;
-use super::types::{Member, SharedStruct, float, uint, uvec2, uvec3, vec3, vec4};
+use super::types::{Member, SharedStruct, float, uint, uvec2, uvec3, vec2, vec3, vec4};
 
 shared_structs! {
     /// A triangle, or a sphere where `surface` has [`SPHERE_BIT`]: then `v0` is its centre and `v1[0]` its radius.
@@ -185,6 +185,8 @@ shared_structs! {
         clearcoat: float,
         /// Its perceptual roughness.
         clearcoat_roughness: float,
+        /// Its normal in the shading frame, unit: kernels fill it in where it is not the frame's.
+        clearcoat_normal: vec3,
         /// Colour of the sheen.
         sheen_colour: vec3,
         /// Its perceptual roughness.
@@ -193,6 +195,28 @@ shared_structs! {
         absorption: vec3,
         /// 1: refracts as the boundary of a volume; 0: light passes straight through a thin wall.
         is_volume: uint,
+        /// How much wider its highlight is along one direction than across it, 0 to 1.
+        anisotropy: float,
+        /// That direction in the tangent frame, unit.
+        anisotropy_direction: vec2,
+        /// Strength of a thin film's interference.
+        iridescence: float,
+        /// Index of refraction of the film.
+        iridescence_eta: float,
+        /// Thickness of the film, nm.
+        iridescence_thickness: float,
+        /// Thickness where the texture of it is 0.
+        iridescence_least: float,
+        /// Share of the light that is scattered diffusely that comes out on the other side.
+        diffuse_transmission: float,
+        /// Colour of that light.
+        diffuse_transmission_colour: vec3,
+        /// How much the index of refraction depends on the wavelength: 20 over the Abbe number.
+        dispersion: float,
+        /// Map of the clear coat's normals, or [`NONE`].
+        clearcoat_normal_texture: uint,
+        /// Factor on the first two components of those.
+        clearcoat_normal_scale: float,
     }
 
     /// Values over a surface: texels, a pattern, or what a mesh has at its vertices.
@@ -211,7 +235,7 @@ shared_structs! {
         /// Levels of detail that follow each other from `texels` on, each half as wide and high as the one before, but at least
         /// one texel; 1 where there is only the image itself.
         levels: uint,
-        /// One of the `WRAP_*` constants for each direction, 8 bits each; then [`FILTER_NEAREST_BIT`].
+        /// One of the `WRAP_*` constants for each direction, 8 bits each; then [`FILTER_NEAREST_BIT`] and [`SECOND_UVS_BIT`].
         sampling: uint,
         /// Channel of a scalar: 0 to 3, or 4 for luminance.
         channel: uint,

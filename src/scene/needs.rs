@@ -42,6 +42,12 @@ fn shows_colours(scene: &Scene, census: &Census) -> bool {
     are_shown && !scene.colours.is_empty()
 }
 
+/// Whether some clear coat has a map of normals, or covers something that may have one.
+fn has_coat_normals(census: &Census) -> bool {
+    let mut coated = census.layered.iter().filter(|layers| layers.clearcoat != 0.0);
+    coated.any(|layers| census.normal_maps || layers.clearcoat_normal_texture != NONE)
+}
+
 /// Whether anything looks at the attributes of vertices that texture coordinates come with.
 fn reads_uvs(scene: &Scene, census: &Census) -> bool {
     census.textured

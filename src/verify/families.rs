@@ -69,6 +69,21 @@ pub const FAMILIES: &[Family] = &[
     ("layered glass", |r| layered(WHITE, r, Layered { transmission: 1.0, is_volume: 1, ..plain_layers(0.0) }), 1.002),
     ("layered dielectric", |r| layered(WHITE, r, plain_layers(0.0)), 1.84),
     (
+        "layered anisotropic metal",
+        |r| layered(WHITE, r, Layered { anisotropy: 0.6, anisotropy_direction: [0.6, 0.8], ..plain_layers(1.0) }),
+        1.002,
+    ),
+    (
+        "layered iridescent metal",
+        |r| {
+            let film =
+                Layered { iridescence: 1.0, iridescence_eta: 1.3, iridescence_thickness: 400.0, ..plain_layers(1.0) };
+            layered([0.9, 0.6, 0.3], r, film)
+        },
+        1.002,
+    ),
+    ("layered leaf", |r| layered(WHITE, r, Layered { diffuse_transmission: 0.5, ..plain_layers(0.0) }), 1.84),
+    (
         "layered sheen on metal",
         |r| layered(WHITE, 0.3, Layered { sheen_colour: WHITE, sheen_roughness: r, ..plain_layers(1.0) }),
         1.002,
@@ -82,7 +97,7 @@ pub const FAMILIES: &[Family] = &[
 
 /// Whether light passes a family without a change of medium, as through a sheet.
 pub fn is_thin(name: &str) -> bool {
-    name == "layered wall" || name.starts_with("principled thin")
+    ["layered wall", "layered leaf"].contains(&name) || name.starts_with("principled thin")
 }
 
 /// Whether a family's BSDF is the same in both directions: what microfacets of a thin sheet let pass is not (`shaders/materials/principled_thin.glsl`).

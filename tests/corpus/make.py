@@ -7,6 +7,7 @@ Python's standard library only. The JPEG and EXR files of sound/image are not ma
 them, and fuzzing found image/b44_wraps.exr. The other broken ones are made of them.
 """
 
+import base64
 import json
 import struct
 import sys
@@ -302,7 +303,6 @@ def gltf(**changes):
 
 
 def uri(data):
-    import base64
     return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
 
 
@@ -345,6 +345,32 @@ root["meshes"].append({"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0
 root["nodes"] += [{"mesh": 1, "scale": [1, -1, 1]}, {"mesh": 1, "rotation": [0, 0, 1, 0]}]
 root["scenes"] = [{"nodes": [0, 1, 3, 4], "extras": {"lumbre": {"environment": {"uri": "image.png", "intensity": 2}}}}]
 put("sound/gltf/full.gltf", json.dumps(root).encode() + b"\n#####\n" + data)
+
+# Poses, instances, vertex alpha, light on both sides, compressed normals (six unit vectors that meshoptimizer 0.22 wrote, of which four
+# are used) and the optics of later extensions. Accessors without a buffer view are zeros.
+root, data = gltf()
+normals = base64.b64decode("oAEP8AAA/bu4TgE/8AAAbCbvXsUAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAH9/")
+root["accessors"] += [{"componentType": 5121, "type": "VEC4", "count": 4}, {"componentType": 5126, "type": "VEC4", "count": 4},
+                      {"componentType": 5126, "type": "VEC3", "count": 2}, {"componentType": 5126, "type": "MAT4", "count": 1},
+                      {"bufferView": 3, "componentType": 5120, "normalized": True, "type": "VEC3", "count": 4}]
+root["bufferViews"].append({"buffer": 1, "byteLength": 24, "byteStride": 4, "extensions": {"EXT_meshopt_compression": {
+    "buffer": 0, "byteOffset": len(data), "byteLength": len(normals), "byteStride": 4, "count": 6, "mode": "ATTRIBUTES",
+    "filter": "OCTAHEDRAL"}}})
+data += normals
+root["buffers"] = [{"byteLength": len(data)}, {"byteLength": 24}]
+root["meshes"] = [{"weights": [0.5], "primitives": [{"indices": 1, "material": 0, "targets": [{"POSITION": 0, "NORMAL": 0}], "attributes": {
+    "POSITION": 0, "NORMAL": 6, "JOINTS_0": 2, "WEIGHTS_0": 3, "COLOR_0": 3}}]}]
+root["materials"] = [{"alphaMode": "BLEND", "doubleSided": True, "emissiveFactor": [1, 1, 1], "extensions": {
+    "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 1},
+    "KHR_materials_iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.4, "iridescenceThicknessMaximum": 300},
+    "KHR_materials_diffuse_transmission": {"diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": [1, 0.5, 0]},
+    "KHR_materials_dispersion": {"dispersion": 1}}}]
+root["skins"] = [{"joints": [1], "inverseBindMatrices": 5}]
+root["nodes"][0] = {"mesh": 0, "skin": 0}
+root["nodes"] += [{"mesh": 0, "weights": [1]},
+                  {"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 4}}}}]
+root["scenes"] = [{"nodes": [0, 1, 3, 4]}]
+put("sound/gltf/posed.gltf", json.dumps(root).encode() + b"\n#####\n" + data)
 
 put("gltf/empty.gltf", "")
 put("gltf/empty.glb", "")

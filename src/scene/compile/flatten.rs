@@ -47,6 +47,7 @@ pub(super) struct Flat {
     pub vertices: usize,
     pub normals: Vec<[f32; 3]>,
     pub uvs: Vec<[f32; 2]>,
+    pub second_uvs: Vec<[f32; 2]>,
     pub tangents: Vec<[f32; 4]>,
     pub colours: Vec<[f32; 4]>,
     /// What textures show of vertices, attribute by attribute.
@@ -107,6 +108,7 @@ impl Flat {
             vertices: 0,
             normals: Vec::new(),
             uvs: Vec::new(),
+            second_uvs: Vec::new(),
             tangents: Vec::new(),
             colours: Vec::new(),
             attributes: vec![Vec::new(); names.len()],
@@ -205,6 +207,7 @@ impl Flat {
         for (what, given) in [
             ("normals", mesh.normals.len()),
             ("texture coordinates", mesh.uvs.len()),
+            ("second texture coordinates", mesh.second_uvs.len()),
             ("tangents", mesh.tangents.len()),
             ("colours", mesh.colours.len()),
         ]
@@ -215,8 +218,10 @@ impl Flat {
                 return Err(format!("{given} {what} for {count} vertices"));
             }
         }
-        if let Some(bad) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
-            return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", mesh.uvs[bad]));
+        for uvs in [&mesh.uvs, &mesh.second_uvs] {
+            if let Some(bad) = uvs.iter().position(|uv| !uv.is_finite()) {
+                return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", uvs[bad]));
+            }
         }
         let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
         let base = self.vertices;
@@ -231,6 +236,10 @@ impl Flat {
             flags |= UV_BIT;
             self.uvs.resize(base, [0.0; 2]);
             self.uvs.extend(mesh.uvs.iter().map(|uv| uv.to_array()));
+        }
+        if !mesh.second_uvs.is_empty() {
+            self.second_uvs.resize(base, [0.0; 2]);
+            self.second_uvs.extend(mesh.second_uvs.iter().map(|uv| uv.to_array()));
         }
         if !mesh.tangents.is_empty() {
             flags |= TANGENT_BIT;
@@ -248,7 +257,7 @@ impl Flat {
             self.colours.resize(base, [1.0; 4]);
             self.colours.extend(mesh.colours.iter().map(|colour| colour.to_array()));
         }
-        let mut has_attributes = false;
+        let mut has_attributes = !mesh.second_uvs.is_empty();
         for (name, values) in self.names.iter().zip(&mut self.attributes) {
             if let Some(own) = mesh.attributes.iter().find(|own| own.name == *name) {
                 values.resize(base, [0.0; 4]);
@@ -274,6 +283,9 @@ impl Flat {
         }
         if !self.uvs.is_empty() {
             self.uvs.resize(count, [0.0; 2]);
+        }
+        if !self.second_uvs.is_empty() {
+            self.second_uvs.resize(count, [0.0; 2]);
         }
         if !self.tangents.is_empty() {
             self.tangents.resize(count, [0.0; 4]);

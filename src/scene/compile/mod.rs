@@ -142,6 +142,7 @@ impl SceneBuilder {
             corners: flat.corners,
             normals: flat.normals,
             uvs: flat.uvs,
+            second_uvs: flat.second_uvs,
             tangents: flat.tangents,
             colours: flat.colours,
             attributes: flat.attributes.concat(),

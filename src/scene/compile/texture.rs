@@ -2,7 +2,7 @@
 
 use crate::image::{Texels, TextureImage};
 use crate::layout::{
-    self, FILTER_NEAREST_BIT, NONE, TEXELS_FLOAT, TEXELS_LINEAR8, TEXELS_SRGB8, TEXTURE_ATTRIBUTE,
+    self, FILTER_NEAREST_BIT, NONE, SECOND_UVS_BIT, TEXELS_FLOAT, TEXELS_LINEAR8, TEXELS_SRGB8, TEXTURE_ATTRIBUTE,
     TEXTURE_CHECKERBOARD, TEXTURE_IMAGE, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
 };
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
@@ -26,7 +26,11 @@ impl TextureDescription {
             Wrap::Mirror => WRAP_MIRROR,
             Wrap::Clamp => WRAP_CLAMP,
         };
-        let sampling = wrap(self.wrap[0]) | wrap(self.wrap[1]) << 8 | if self.nearest { FILTER_NEAREST_BIT } else { 0 };
+        let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+        let sampling = wrap(self.wrap[0])
+            | wrap(self.wrap[1]) << 8
+            | bit(self.nearest, FILTER_NEAREST_BIT)
+            | bit(self.second_uvs, SECOND_UVS_BIT);
         let common = layout::Texture {
             sampling,
             channel: self.channel,

@@ -274,7 +274,8 @@ impl SceneBuilder {
             ));
             return;
         }
-        self.groups[group].shapes.push((Shape::Mesh { mesh, to_group }, surface, name.to_owned()));
+        let shape = Shape::Mesh { mesh: Box::new(mesh), to_group };
+        self.groups[group].shapes.push((shape, surface, name.to_owned()));
     }
 
     /// Adds a sphere to a group. A negative radius turns its normal inwards.

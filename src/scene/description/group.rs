@@ -8,7 +8,7 @@ use super::mesh::Mesh;
 #[derive(Clone, Debug)]
 pub(in crate::scene) enum Shape {
     /// Triangles, and the map from their coordinates to the group's.
-    Mesh { mesh: Mesh, to_group: DAffine3 },
+    Mesh { mesh: Box<Mesh>, to_group: DAffine3 },
     /// A sphere; a negative radius turns its normal inwards. Texture coordinates go by its axes.
     Sphere { centre: DVec3, radius: f64, axes: DMat3 },
 }

@@ -177,15 +177,28 @@ pub fn principled_thin(base: [f32; 3], roughness: f32, eta: f32, parameters: Pri
 
 /// A [`Layered`] that is a plain metallic-roughness material.
 pub fn plain_layers(metallic: f32) -> Layered {
-    Layered { metallic, specular: 1.0, specular_colour: [1.0; 3], ..Layered::default() }
+    Layered {
+        metallic,
+        specular: 1.0,
+        specular_colour: [1.0; 3],
+        clearcoat_normal: [0.0, 0.0, 1.0],
+        clearcoat_normal_texture: NONE,
+        clearcoat_normal_scale: 1.0,
+        anisotropy_direction: [1.0, 0.0],
+        diffuse_transmission_colour: [1.0; 3],
+        ..Layered::default()
+    }
 }
 
 /// glTF's layered material of this base colour, perceptual roughness and index of refraction.
 pub fn layered(base: [f32; 3], roughness: f32, eta: f32, layers: Layered) -> MaterialDescription {
-    let transmits = if layers.transmission > 0.0 { MATERIAL_HAS_TRANSMISSION } else { 0 };
+    let passes = layers.transmission > 0.0 || layers.diffuse_transmission > 0.0;
+    let transmits = if passes { MATERIAL_HAS_TRANSMISSION } else { 0 };
+    let has_tangents = layers.anisotropy > 0.0 || layers.clearcoat_normal_texture != NONE;
+    let tangents = if has_tangents { MATERIAL_HAS_TANGENTS } else { 0 };
     let absorbs = layers.is_volume != 0 && layers.absorption.iter().any(|channel| *channel > 0.0);
     let absorbs = if absorbs { MATERIAL_HAS_ABSORPTION } else { 0 };
-    let record = record(MATERIAL_LAYERED, transmits | absorbs);
+    let record = record(MATERIAL_LAYERED, transmits | tangents | absorbs);
     perceptual(record, base, roughness, eta, Detail::Layered(layers))
 }
 
@@ -212,6 +225,7 @@ impl MaterialDescription {
     /// Whether any texture is set.
     pub fn is_textured(&self) -> bool {
         let textures = &self.textures;
-        !textures.properties.is_empty() || textures.normal != NONE || textures.bump != NONE
+        let has_coat_map = matches!(&self.detail, Detail::Layered(l) if l.clearcoat_normal_texture != NONE);
+        !textures.properties.is_empty() || textures.normal != NONE || textures.bump != NONE || has_coat_map
     }
 }

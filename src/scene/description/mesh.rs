@@ -29,6 +29,8 @@ pub struct Mesh {
     /// One texture coordinate per vertex, or none at all: then a triangle's barycentric weights stand in. As in Mitsuba,
     /// (0, 0) is the first texel of the first row of an image, its upper left corner.
     pub uvs: Vec<Vec2>,
+    /// A second set of them, for textures that say so: one per vertex, or none at all, which is all 0.
+    pub second_uvs: Vec<Vec2>,
     /// One tangent per vertex, with the sign of the bitangent; or none at all: normal maps then go by the texture coordinates.
     pub tangents: Vec<Vec4>,
     /// One colour per vertex, linear red, green, blue and alpha, or none at all.
@@ -169,6 +171,7 @@ impl Mesh {
             positions: of(&self.positions, corners),
             normals: of(&self.normals, corners),
             uvs: of(&self.uvs, corners),
+            second_uvs: of(&self.second_uvs, corners),
             tangents: of(&self.tangents, corners),
             colours: of(&self.colours, corners),
             attributes: of_vertices.chain(of_faces).collect(),

@@ -34,6 +34,8 @@ pub struct TextureDescription {
     pub wrap: [Wrap; 2],
     /// The nearest texel instead of bilinear interpolation.
     pub nearest: bool,
+    /// The second set of the surface's coordinates instead of the first.
+    pub second_uvs: bool,
     /// What a scalar takes of it: channel 0 to 3, or 4 for luminance.
     pub channel: u32,
     /// Rows of the map from the surface's coordinates to the texture's.
@@ -52,6 +54,7 @@ impl TextureDescription {
             squares: [None; 2],
             wrap: [Wrap::Repeat; 2],
             nearest: false,
+            second_uvs: false,
             channel: 4,
             map: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
             scale: [1.0; 4],

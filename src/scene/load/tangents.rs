@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::scene::Mesh;
 
 /// The corners of a mesh's triangles, each with a tangent of its own.
 struct Corners<'a> {
     mesh: &'a Mesh,
+    uvs: &'a [Vec2],
     tangents: Vec<[f32; 4]>,
 }
 
@@ -45,7 +46,7 @@ impl Geometry for Corners<'_> {
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         // A normal map's second axis points up in the image, against v.
-        let uv = self.mesh.uvs[self.vertex(face, corner)];
+        let uv = self.uvs[self.vertex(face, corner)];
         [uv.x, 1.0 - uv.y]
     }
 
@@ -57,11 +58,12 @@ impl Geometry for Corners<'_> {
     }
 }
 
-/// The mesh with tangents. A vertex whose triangles disagree about its tangent becomes several. The mesh must have texture
-/// coordinates, and indices that exist.
-pub(super) fn with_tangents(mesh: Mesh) -> Mesh {
+/// The mesh with tangents along its texture coordinates, the first or the second set. A vertex whose triangles disagree about its tangent
+/// becomes several. The mesh must have the set, and indices that exist.
+pub(super) fn with_tangents(mesh: Mesh, by_second_uvs: bool) -> Mesh {
+    let uvs = if by_second_uvs { &mesh.second_uvs } else { &mesh.uvs };
     // All zero stands for none: the shading frame then follows the texture coordinates.
-    let mut corners = Corners { mesh: &mesh, tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()] };
+    let mut corners = Corners { mesh: &mesh, uvs, tangents: vec![[0.0; 4]; 3 * mesh.triangles.len()] };
     if generate_tangents(&mut corners).is_err() {
         return mesh;
     }
@@ -76,6 +78,7 @@ pub(super) fn with_tangents(mesh: Mesh) -> Mesh {
                 split.positions.push(mesh.positions[vertex]);
                 split.normals.extend(mesh.normals.get(vertex));
                 split.uvs.extend(mesh.uvs.get(vertex));
+                split.second_uvs.extend(mesh.second_uvs.get(vertex));
                 split.colours.extend(mesh.colours.get(vertex));
                 split.tangents.push(Vec4::from(*tangent));
                 next
@@ -88,7 +91,7 @@ pub(super) fn with_tangents(mesh: Mesh) -> Mesh {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec2};
+    use glam::DVec3;
 
     use super::*;
 
@@ -103,7 +106,7 @@ mod tests {
                 triangles: vec![[0, 1, 2], [0, 2, 3]],
                 ..Mesh::default()
             };
-            let mesh = with_tangents(mesh);
+            let mesh = with_tangents(mesh, false);
             assert_eq!(mesh.positions.len(), 4, "vertices that agree stay shared");
             for tangent in &mesh.tangents {
                 assert!((*tangent - Vec4::new(1.0, 0.0, 0.0, sign)).length() < 1e-6, "{tangent}");
@@ -122,7 +125,7 @@ mod tests {
             triangles: vec![[0, 2, 1], [0, 1, 3]],
             ..Mesh::default()
         };
-        let mesh = with_tangents(mesh);
+        let mesh = with_tangents(mesh, false);
         let counts =
             [mesh.positions.len(), mesh.normals.len(), mesh.uvs.len(), mesh.colours.len(), mesh.tangents.len()];
         assert_eq!(counts, [6; 5]);
@@ -142,7 +145,7 @@ mod tests {
                 triangles: vec![[0, 1, 2], [0, 0, 0], [2, 1, 0], [0, 2, 2]],
                 ..Mesh::default()
             };
-            assert_eq!(with_tangents(mesh).triangles.len(), 4);
+            assert_eq!(with_tangents(mesh, false).triangles.len(), 4);
         }
     }
 }

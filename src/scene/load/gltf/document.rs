@@ -17,14 +17,18 @@ use crate::scene::load::limits::JSON_BYTES;
 const JSON: [u8; 4] = *b"JSON";
 
 /// What is read of the extensions; a file that requires any other is refused.
-const EXTENSIONS: [&str; 15] = [
+const EXTENSIONS: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",

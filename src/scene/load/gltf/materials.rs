@@ -4,21 +4,24 @@ use std::collections::HashMap;
 
 use gltf::json;
 use gltf::json::extensions::material::Volume;
-use gltf::json::material::AlphaMode;
+use gltf::json::material::{AlphaMode, NormalTexture};
 use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
 use serde::Deserialize;
+use serde_json::Map;
 
 use super::buffers::Buffers;
 use super::document::Document;
 use super::primitives::Wanted;
-use super::textures::{ALPHA, BLUE, COLOUR, GREEN, RED, Reference, Textures};
+use super::textures::{ALPHA, BLUE, COLOUR, GREEN, LookUp, RED, Reference, Textures};
 use crate::error::Result;
 use crate::image::Encoding;
 use crate::layout::{
-    Layered, MATERIAL_HAS_COLOURS, NONE, PROPERTY_CLEARCOAT, PROPERTY_CLEARCOAT_ROUGHNESS, PROPERTY_METALLIC,
-    PROPERTY_REFLECTANCE, PROPERTY_ROUGHNESS, PROPERTY_SHEEN_COLOUR, PROPERTY_SHEEN_ROUGHNESS, PROPERTY_SPECULAR,
-    PROPERTY_SPECULAR_COLOUR, PROPERTY_TRANSMISSION,
+    Layered, MATERIAL_HAS_COLOURS, NONE, PROPERTY_CLEARCOAT, PROPERTY_CLEARCOAT_ROUGHNESS,
+    PROPERTY_DIFFUSE_TRANSMISSION, PROPERTY_DIFFUSE_TRANSMISSION_COLOUR, PROPERTY_IRIDESCENCE,
+    PROPERTY_IRIDESCENCE_THICKNESS, PROPERTY_LAYERED_ANISOTROPY, PROPERTY_METALLIC, PROPERTY_REFLECTANCE,
+    PROPERTY_ROUGHNESS, PROPERTY_SHEEN_COLOUR, PROPERTY_SHEEN_ROUGHNESS, PROPERTY_SPECULAR, PROPERTY_SPECULAR_COLOUR,
+    PROPERTY_TRANSMISSION,
 };
 use crate::scene::material::{MaterialMaps, layered, plain_layers};
 use crate::scene::{Mask, SceneBuilder, SurfaceDescription};
@@ -34,7 +37,7 @@ struct Clearcoat {
     clearcoat_texture: Option<Info>,
     clearcoat_roughness_factor: f32,
     clearcoat_roughness_texture: Option<Info>,
-    clearcoat_normal_texture: Option<json::Value>,
+    clearcoat_normal_texture: Option<NormalTexture>,
 }
 
 #[derive(Deserialize)]
@@ -45,6 +48,85 @@ struct Sheen {
     sheen_color_texture: Option<Info>,
     sheen_roughness_factor: f32,
     sheen_roughness_texture: Option<Info>,
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+#[derive(Default)]
+struct Anisotropy {
+    anisotropy_strength: f32,
+    anisotropy_rotation: f32,
+    anisotropy_texture: Option<Info>,
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Iridescence {
+    iridescence_factor: f32,
+    iridescence_texture: Option<Info>,
+    iridescence_ior: f32,
+    iridescence_thickness_minimum: f32,
+    iridescence_thickness_maximum: f32,
+    iridescence_thickness_texture: Option<Info>,
+}
+
+impl Default for Iridescence {
+    fn default() -> Self {
+        Self {
+            iridescence_factor: 0.0,
+            iridescence_texture: None,
+            iridescence_ior: 1.3,
+            iridescence_thickness_minimum: 100.0,
+            iridescence_thickness_maximum: 400.0,
+            iridescence_thickness_texture: None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct DiffuseTransmission {
+    diffuse_transmission_factor: f32,
+    diffuse_transmission_texture: Option<Info>,
+    diffuse_transmission_color_factor: [f32; 3],
+    diffuse_transmission_color_texture: Option<Info>,
+}
+
+impl Default for DiffuseTransmission {
+    fn default() -> Self {
+        Self {
+            diffuse_transmission_factor: 0.0,
+            diffuse_transmission_texture: None,
+            diffuse_transmission_color_factor: [1.0; 3],
+            diffuse_transmission_color_texture: None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(default)]
+#[derive(Default)]
+struct Dispersion {
+    dispersion: f32,
+}
+
+/// The extensions that change how light is reflected and passed on.
+struct Optics {
+    anisotropy: Anisotropy,
+    film: Iridescence,
+    behind: DiffuseTransmission,
+    spread: Dispersion,
+}
+
+impl Optics {
+    fn read(document: &Document, extensions: &Map<String, json::Value>, name: &str) -> Result<Self> {
+        Ok(Self {
+            anisotropy: document.extension(extensions, "KHR_materials_anisotropy", name)?.unwrap_or_default(),
+            film: document.extension(extensions, "KHR_materials_iridescence", name)?.unwrap_or_default(),
+            behind: document.extension(extensions, "KHR_materials_diffuse_transmission", name)?.unwrap_or_default(),
+            spread: document.extension(extensions, "KHR_materials_dispersion", name)?.unwrap_or_default(),
+        })
+    }
 }
 
 /// A material in the builder.
@@ -86,9 +168,15 @@ impl<'a> Materials<'a> {
                 (material, format!("materials[{index}]"))
             }
         };
-        let loaded =
-            Reader { document: self.document, textures: &mut self.textures, builder, name, uv_set: 0, textured: false }
-                .read(material)?;
+        let loaded = Reader {
+            document: self.document,
+            textures: &mut self.textures,
+            builder,
+            name,
+            uv_sets: [0; 2],
+            textured: [false; 2],
+        }
+        .read(material)?;
         self.loaded.insert(index, loaded);
         Ok(loaded)
     }
@@ -126,8 +214,9 @@ struct Reader<'r, 'a> {
     textures: &'r mut Textures<'a>,
     builder: &'r mut SceneBuilder,
     name: String,
-    uv_set: u32,
-    textured: bool,
+    /// The sets of texture coordinates that its textures are looked up by, and whether any is.
+    uv_sets: [u32; 2],
+    textured: [bool; 2],
 }
 
 /// All textures that a material names.
@@ -142,18 +231,22 @@ struct References {
     specular_colour: Option<Reference>,
     clearcoat: Option<Reference>,
     clearcoat_roughness: Option<Reference>,
+    clearcoat_normal: Option<Reference>,
+    anisotropy: Option<Reference>,
+    iridescence: Option<Reference>,
+    iridescence_thickness: Option<Reference>,
+    diffuse_transmission: Option<Reference>,
+    diffuse_transmission_colour: Option<Reference>,
     sheen_colour: Option<Reference>,
     sheen_roughness: Option<Reference>,
 }
 
 impl References {
-    /// The set of texture coordinates to take: that of the base colour, or else the one that most textures use. A surface
-    /// has one set here.
-    fn uv_set(&self) -> u32 {
-        if let Some(base) = &self.base {
-            return base.set;
-        }
-        let rest = [
+    /// The sets of texture coordinates to take, of which a surface has two here: first that of the base colour, or else the one that most
+    /// textures use; then the one that most others use.
+    fn uv_sets(&self) -> [u32; 2] {
+        let all = [
+            &self.base,
             &self.metallic_roughness,
             &self.normal,
             &self.emissive,
@@ -162,13 +255,24 @@ impl References {
             &self.specular_colour,
             &self.clearcoat,
             &self.clearcoat_roughness,
+            &self.clearcoat_normal,
+            &self.anisotropy,
+            &self.iridescence,
+            &self.iridescence_thickness,
+            &self.diffuse_transmission,
+            &self.diffuse_transmission_colour,
             &self.sheen_colour,
             &self.sheen_roughness,
         ];
-        let sets: Vec<u32> = rest.into_iter().flatten().map(|reference| reference.set).collect();
+        let sets: Vec<u32> = all.into_iter().flatten().map(|reference| reference.set).collect();
         let uses = |set: u32| sets.iter().filter(|other| **other == set).count();
         // Of equals, the first one.
-        sets.iter().rev().copied().max_by_key(|set| uses(*set)).unwrap_or(0)
+        let most = |but: Option<u32>| {
+            let others = sets.iter().rev().copied().filter(|set| Some(*set) != but);
+            others.max_by_key(|set| uses(*set)).unwrap_or(0)
+        };
+        let first = self.base.as_ref().map_or_else(|| most(None), |base| base.set);
+        [first, most(Some(first))]
     }
 }
 
@@ -180,15 +284,16 @@ impl Reader<'_, '_> {
     /// A texture as an index, or [`NONE`].
     fn texture(&mut self, what: &str, reference: &Option<Reference>, encoding: Encoding, channel: u32) -> Result<u32> {
         let Some(reference) = reference else { return Ok(NONE) };
-        if reference.set != self.uv_set {
-            let (set, other) = (reference.set, self.uv_set);
+        let Some(place) = self.uv_sets.iter().position(|set| *set == reference.set) else {
+            let (set, [first, second]) = (reference.set, self.uv_sets);
             self.warn(&format!(
-                "its {what} uses TEXCOORD_{set} and is not read: a material has one set of texture coordinates here, TEXCOORD_{other}"
+                "its {what} uses TEXCOORD_{set} and is not read: a material has two sets of texture coordinates here, TEXCOORD_{first} and TEXCOORD_{second}"
             ));
             return Ok(NONE);
-        }
-        let added = self.textures.add(self.builder, reference, &format!("{}.{what}", self.name), encoding, channel)?;
-        self.textured |= added.is_some();
+        };
+        let looked_up = LookUp { encoding, channel, by_second_uvs: place == 1 };
+        let added = self.textures.add(self.builder, reference, &format!("{}.{what}", self.name), looked_up)?;
+        self.textured[place] |= added.is_some();
         Ok(added.unwrap_or(NONE))
     }
 
@@ -203,27 +308,32 @@ impl Reader<'_, '_> {
         let specular = extensions.specular.clone().unwrap_or_default();
         let transmission = extensions.transmission.clone().unwrap_or_default();
         let pbr = &material.pbr_metallic_roughness;
+        let optics = Optics::read(document, &extensions.others, &name)?;
         let of = |info: &Option<Info>| info.as_ref().map(Reference::new);
+        let normal = |info: &Option<NormalTexture>, what: &str| {
+            let info = info.as_ref();
+            info.map(|info| Reference::normal(document, info, &format!("{name}.{what}"))).transpose()
+        };
         let references = References {
             base: of(&pbr.base_color_texture),
             metallic_roughness: of(&pbr.metallic_roughness_texture),
-            normal: match &material.normal_texture {
-                Some(info) => Some(Reference::normal(document, info, &format!("{name}.normalTexture"))?),
-                None => None,
-            },
+            normal: normal(&material.normal_texture, "normalTexture")?,
             emissive: of(&material.emissive_texture),
             transmission: of(&transmission.transmission_texture),
             specular: of(&specular.specular_texture),
             specular_colour: of(&specular.specular_color_texture),
             clearcoat: of(&clearcoat.clearcoat_texture),
             clearcoat_roughness: of(&clearcoat.clearcoat_roughness_texture),
+            clearcoat_normal: normal(&clearcoat.clearcoat_normal_texture, "clearcoatNormalTexture")?,
+            anisotropy: of(&optics.anisotropy.anisotropy_texture),
+            iridescence: of(&optics.film.iridescence_texture),
+            iridescence_thickness: of(&optics.film.iridescence_thickness_texture),
+            diffuse_transmission: of(&optics.behind.diffuse_transmission_texture),
+            diffuse_transmission_colour: of(&optics.behind.diffuse_transmission_color_texture),
             sheen_colour: of(&sheen.sheen_color_texture),
             sheen_roughness: of(&sheen.sheen_roughness_texture),
         };
-        self.uv_set = references.uv_set();
-        if clearcoat.clearcoat_normal_texture.is_some() {
-            self.warn("the normal map of its clear coat is not read");
-        }
+        self.uv_sets = references.uv_sets();
         let [red, green, blue, alpha] = document.shares(&name, "baseColorFactor", pbr.base_color_factor.0)?;
         let base = [red, green, blue];
         let base_texture = self.texture("baseColorTexture", &references.base, Encoding::Srgb, COLOUR)?;
@@ -248,16 +358,21 @@ impl Reader<'_, '_> {
             )?,
             sheen_colour: document.shares(&name, "sheenColorFactor", sheen.sheen_color_factor)?,
             sheen_roughness: document.share(&name, "sheenRoughnessFactor", sheen.sheen_roughness_factor)?,
+            clearcoat_normal_texture: self.texture(
+                "clearcoatNormalTexture",
+                &references.clearcoat_normal,
+                linear,
+                COLOUR,
+            )?,
+            clearcoat_normal_scale: self.normal_scale(&clearcoat.clearcoat_normal_texture, "clearcoatNormalTexture")?,
             ..plain_layers(document.share(&name, "metallicFactor", pbr.metallic_factor.0)?)
         };
         let layers = self.volume(extensions.volume.as_ref(), layers)?;
+        let layers = self.optics(&optics, layers)?;
         let eta =
             self.index_of_refraction(extensions.ior.as_ref().map_or(1.5, |ior| ior.ior.0), layers.transmission)?;
         let roughness = document.share(&name, "roughnessFactor", pbr.roughness_factor.0)?;
-        let normal_scale = material.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
-        if !normal_scale.is_finite() {
-            return Err(document.wrong(&name, "normalTexture.scale is not finite"));
-        }
+        let normal_scale = self.normal_scale(&material.normal_texture, "normalTexture")?;
         let shine = &references.metallic_roughness;
         let mut textures = MaterialMaps {
             normal: self.texture("normalTexture", &references.normal, linear, COLOUR)?,
@@ -274,6 +389,29 @@ impl Reader<'_, '_> {
             (PROPERTY_TRANSMISSION, "transmissionTexture", &references.transmission, linear, RED),
             (PROPERTY_CLEARCOAT, "clearcoatTexture", &references.clearcoat, linear, RED),
             (PROPERTY_CLEARCOAT_ROUGHNESS, "clearcoatRoughnessTexture", &references.clearcoat_roughness, linear, GREEN),
+            (PROPERTY_LAYERED_ANISOTROPY, "anisotropyTexture", &references.anisotropy, linear, BLUE),
+            (PROPERTY_IRIDESCENCE, "iridescenceTexture", &references.iridescence, linear, RED),
+            (
+                PROPERTY_IRIDESCENCE_THICKNESS,
+                "iridescenceThicknessTexture",
+                &references.iridescence_thickness,
+                linear,
+                GREEN,
+            ),
+            (
+                PROPERTY_DIFFUSE_TRANSMISSION,
+                "diffuseTransmissionTexture",
+                &references.diffuse_transmission,
+                linear,
+                ALPHA,
+            ),
+            (
+                PROPERTY_DIFFUSE_TRANSMISSION_COLOUR,
+                "diffuseTransmissionColorTexture",
+                &references.diffuse_transmission_colour,
+                Encoding::Srgb,
+                COLOUR,
+            ),
             (PROPERTY_SHEEN_COLOUR, "sheenColorTexture", &references.sheen_colour, Encoding::Srgb, COLOUR),
             (PROPERTY_SHEEN_ROUGHNESS, "sheenRoughnessTexture", &references.sheen_roughness, linear, ALPHA),
         ] {
@@ -292,10 +430,23 @@ impl Reader<'_, '_> {
         } else {
             self.texture("emissiveTexture", &references.emissive, Encoding::Srgb, COLOUR)?
         };
+        let sets = self.uv_sets;
         let mut loaded = self.finish(Some(id), emission, emissive, (mask, varying), material.double_sided);
-        loaded.wanted.tangents = has_normals;
+        let maps = [&references.normal, &references.clearcoat_normal, &references.anisotropy];
+        let map_set = maps.into_iter().flatten().next().map(|map| map.set);
+        let wants_tangents = has_normals || layers.anisotropy > 0.0 || layers.clearcoat_normal_texture != NONE;
+        loaded.wanted.tangents = wants_tangents.then_some(map_set == Some(sets[1]) && sets[0] != sets[1]);
         loaded.wanted.colours = true;
         Ok(loaded)
+    }
+
+    /// The factor of a normal map.
+    fn normal_scale(&self, map: &Option<NormalTexture>, what: &str) -> Result<f32> {
+        let scale = map.as_ref().map_or(1.0, |map| map.scale);
+        if scale.is_finite() {
+            return Ok(scale);
+        }
+        Err(self.document.wrong(&self.name, format!("{what}.scale is not finite")))
     }
 
     fn amounts(&self, what: &str, values: [f32; 3]) -> Result<[f32; 3]> {
@@ -323,7 +474,10 @@ impl Reader<'_, '_> {
         });
         let emits = emission != [0.0; 3];
         let wanted = Wanted {
-            uv_set: self.textured.then_some(self.uv_set),
+            uv_sets: [
+                (self.textured[0] || self.textured[1]).then_some(self.uv_sets[0]),
+                self.textured[1].then_some(self.uv_sets[1]),
+            ],
             opacity: varying.is_some(),
             emits,
             ..Wanted::default()
@@ -369,6 +523,35 @@ impl Reader<'_, '_> {
         let depth = |channel: f32| (-channel.ln()).clamp(0.0, OPAQUE_DEPTH);
         let absorption = colour.map(|channel| if distance.is_finite() { depth(channel) / distance } else { 0.0 });
         Ok(Layered { absorption, is_volume: u32::from(thickness > 0.0), ..layers })
+    }
+
+    /// Puts in anisotropy, iridescence, diffuse transmission and dispersion.
+    fn optics(&self, Optics { anisotropy, film, behind, spread }: &Optics, layers: Layered) -> Result<Layered> {
+        let (document, name) = (self.document, &self.name);
+        let rotation = anisotropy.anisotropy_rotation;
+        if !rotation.is_finite() {
+            return Err(document.wrong(name, "anisotropyRotation is not finite"));
+        }
+        let eta = film.iridescence_ior;
+        if !(eta.is_finite() && eta >= 1.0) {
+            return Err(document.wrong(name, format!("iridescenceIor is {eta}, and must be 1 or more")));
+        }
+        let amount = |what: &str, value: f32| document.amount(name, what, value);
+        let share = |what: &str, value: f32| document.share(name, what, value);
+        let colour = behind.diffuse_transmission_color_factor;
+        Ok(Layered {
+            anisotropy: share("anisotropyStrength", anisotropy.anisotropy_strength)?,
+            anisotropy_direction: [rotation.cos(), rotation.sin()],
+            iridescence: share("iridescenceFactor", film.iridescence_factor)?,
+            iridescence_eta: eta,
+            // Without a texture the thickness is the largest.
+            iridescence_thickness: amount("iridescenceThicknessMaximum", film.iridescence_thickness_maximum)?,
+            iridescence_least: amount("iridescenceThicknessMinimum", film.iridescence_thickness_minimum)?,
+            diffuse_transmission: share("diffuseTransmissionFactor", behind.diffuse_transmission_factor)?,
+            diffuse_transmission_colour: document.shares(name, "diffuseTransmissionColorFactor", colour)?,
+            dispersion: amount("dispersion", spread.dispersion)?,
+            ..layers
+        })
     }
 
     fn index_of_refraction(&mut self, index: f32, transmission: f32) -> Result<f32> {

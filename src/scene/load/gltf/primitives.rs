@@ -23,10 +23,10 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 /// What a material takes of its primitives.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wanted {
-    /// The set of texture coordinates.
-    pub uv_set: Option<u32>,
-    /// Tangents, for a normal map.
-    pub tangents: bool,
+    /// The sets of texture coordinates: the first and the second of a mesh.
+    pub uv_sets: [Option<u32>; 2],
+    /// Tangents, for a normal map or anisotropy; along the second set where true.
+    pub tangents: Option<bool>,
     /// Vertex colours.
     pub colours: bool,
     /// The alpha of vertex colours.
@@ -107,8 +107,9 @@ impl<'a> Primitives<'a> {
             same(&name, normals.len())?;
             mesh.normals = normals.into_iter().map(Vec3::from).collect();
         }
-        if let Some(set) = wanted.uv_set {
-            mesh.uvs = match attribute(Semantic::TexCoords(set)) {
+        for (place, set) in wanted.uv_sets.into_iter().enumerate() {
+            let Some(set) = set else { continue };
+            let uvs = match attribute(Semantic::TexCoords(set)) {
                 Some((index, name)) => {
                     let uvs = accessors.vectors::<2>(index, &name, &[Type::Vec2], SMALL, 0.0)?;
                     same(&name, uvs.len())?;
@@ -119,6 +120,15 @@ impl<'a> Primitives<'a> {
                     vec![Vec2::ZERO; positions.len()]
                 }
             };
+            *if place == 0 { &mut mesh.uvs } else { &mut mesh.second_uvs } = uvs;
+        }
+        if wanted.tangents == Some(false) && mesh.uvs.is_empty() {
+            // Only to place tangents by: those that are missing are none.
+            if let Some((index, name)) = attribute(Semantic::TexCoords(0)) {
+                let uvs = accessors.vectors::<2>(index, &name, &[Type::Vec2], SMALL, 0.0)?;
+                same(&name, uvs.len())?;
+                mesh.uvs = uvs.into_iter().map(Vec2::from).collect();
+            }
         }
         if let Some((index, name)) = attribute(Semantic::Colors(0)).filter(|_| wanted.colours) {
             let colours = accessors.vectors::<4>(index, &name, &[Type::Vec3, Type::Vec4], UNSIGNED, 1.0)?;
@@ -131,7 +141,7 @@ impl<'a> Primitives<'a> {
             }
         }
         mesh.positions = positions.into_iter().map(|position| Vec3::from(position).as_dvec3()).collect::<Vec<DVec3>>();
-        if wanted.tangents {
+        if wanted.tangents.is_some() {
             // Tangents without normals are to be ignored.
             if let Some((index, name)) = attribute(Semantic::Tangents).filter(|_| !mesh.normals.is_empty()) {
                 let tangents = accessors.vectors::<4>(index, &name, &[Type::Vec4], SIGNED, 1.0)?;
@@ -143,8 +153,9 @@ impl<'a> Primitives<'a> {
             }
         }
         pose::apply(accessors, primitive, element, pose, &mut mesh)?;
-        if wanted.tangents && mesh.tangents.is_empty() {
-            mesh = tangents::with_tangents(mesh);
+        let places = |by_second: &bool| if *by_second { !mesh.second_uvs.is_empty() } else { !mesh.uvs.is_empty() };
+        if let Some(by_second_uvs) = wanted.tangents.filter(|_| mesh.tangents.is_empty()).filter(places) {
+            mesh = tangents::with_tangents(mesh, by_second_uvs);
         }
         Ok((!mesh.triangles.is_empty()).then_some(mesh))
     }

@@ -57,6 +57,16 @@ impl Reference {
     }
 }
 
+/// How a texture is looked up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LookUp {
+    pub encoding: Encoding,
+    /// What a scalar takes of it.
+    pub channel: u32,
+    /// By the second set of its surface's texture coordinates.
+    pub by_second_uvs: bool,
+}
+
 /// Where an image's bytes are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Bytes {
@@ -97,8 +107,7 @@ impl<'a> Textures<'a> {
         builder: &mut SceneBuilder,
         reference: &Reference,
         element: &str,
-        encoding: Encoding,
-        channel: u32,
+        LookUp { encoding, channel, by_second_uvs }: LookUp,
     ) -> Result<Option<u32>> {
         let document = self.document;
         let index = reference.texture;
@@ -121,8 +130,12 @@ impl<'a> Textures<'a> {
         if map.iter().flatten().any(|value| !value.is_finite()) {
             return Err(document.wrong(element, "its KHR_texture_transform is not finite"));
         }
-        let mut description =
-            TextureDescription { channel, map, ..TextureDescription::new(Pattern::Image(image.index)) };
+        let mut description = TextureDescription {
+            channel,
+            map,
+            second_uvs: by_second_uvs,
+            ..TextureDescription::new(Pattern::Image(image.index))
+        };
         if let Some(sampler) = texture.sampler {
             let sampler = document.get(&document.samplers, "samplers", sampler.value(), &name)?;
             let wrap = |mode: &Checked<WrappingMode>| match mode {
