@@ -98,3 +98,107 @@ fn links_lead_to_what_they_name() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
     assert!(count > 50, "{count} links");
 }
+
+/// What a plugin of Mitsuba needs besides its parameters, and the elements around it.
+fn probe_of(tag: &str, plugin: &str) -> (String, &'static str) {
+    let file = |name: &str| format!(r#"<string name="filename" value="{name}"/>"#);
+    let inner = r#"<bsdf type="diffuse"/>"#;
+    let map = |name: &str| format!(r#"<texture type="checkerboard" name="{name}"/>"#);
+    let body = match (tag, plugin) {
+        ("shape", "obj" | "ply") => file(&format!("mesh.{plugin}")),
+        ("shape", "serialized") => file("mesh.serialized"),
+        ("shape", "instance") => String::from(r#"<ref id="group"/>"#),
+        ("bsdf", "twosided" | "mask") => inner.to_owned(),
+        ("bsdf", "blendbsdf") => inner.repeat(2),
+        ("bsdf", "normalmap") => format!("{inner}{}", map("normalmap")),
+        ("bsdf", "bumpmap") => format!("{inner}{}", map("bump")),
+        ("texture", "bitmap") | ("emitter", "envmap") => file("image.png"),
+        ("texture", "mesh_attribute") => String::from(r#"<string name="name" value="vertex_color"/>"#),
+        ("texture", "rawconstant") => String::from(r#"<float name="value" value="1"/>"#),
+        ("texture", "regular") => String::from(r#"<string name="values" value="1, 2"/>"#),
+        ("texture", "irregular") => {
+            String::from(r#"<string name="values" value="1, 2"/><string name="wavelengths" value="400, 500"/>"#)
+        }
+        ("sensor", "thinlens") => String::from(r#"<float name="aperture_radius" value="1"/>"#),
+        ("film", _) => String::from(r#"<integer name="crop_width" value="2"/>"#),
+        _ => String::new(),
+    };
+    let around = match (tag, plugin) {
+        ("shape", "instance") => r#"<shape type="shapegroup" id="group"><shape type="sphere"/></shape>%"#,
+        ("emitter", "area" | "directionalarea") => r#"<shape type="sphere">%</shape>"#,
+        ("film" | "sampler", _) => r#"<sensor type="perspective">%</sensor>"#,
+        ("rfilter", _) => r#"<sensor type="perspective"><film type="hdrfilm">%</film></sensor>"#,
+        _ => "%",
+    };
+    (body, around)
+}
+
+/// The words in backquotes.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+/// The page of formats names the parameters that the loader of Mitsuba's scenes takes, all of them and no other.
+#[test]
+fn parameters_of_mitsuba_s_plugins_are_those_that_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+        property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::fs::write(folder.path().join("mesh.obj"), obj).unwrap();
+    std::fs::write(folder.path().join("mesh.ply"), ply).unwrap();
+    let copy = |from: &str, to: &str| std::fs::copy(root().join(from), folder.path().join(to)).unwrap();
+    copy("tests/corpus/sound/serialized/single.serialized", "mesh.serialized");
+    copy("tests/corpus/sound/image/grey1.png", "image.png");
+    let path = folder.path().join("scene.xml");
+    let refusal = |tag: &str, plugin: &str| -> String {
+        let (body, around) = probe_of(tag, plugin);
+        let element = format!(r#"<{tag} type="{plugin}">{body}<transform name="unknown"/></{tag}>"#);
+        let scene = around.replace('%', &element);
+        std::fs::write(&path, format!(r#"<scene version="3.0.0"><shape type="sphere"/>{scene}</scene>"#)).unwrap();
+        lumbre::scene::load(&path, &lumbre::scene::LoadOptions::default()).unwrap_err().to_string()
+    };
+    let page = read(&root().join("docs/scenes.md"));
+    let table = page.split("| element | read | changes nothing |\n|---|---|---|\n").nth(1).unwrap();
+    let (mut rows, mut wrong) = (0, Vec::new());
+    for row in table.lines().take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = row.split('|').collect();
+        let [_, names, known, ignored, _] = cells[..] else { panic!("not a row of three cells: {row}") };
+        let names = quoted(names);
+        let mut stated: Vec<&str> = quoted(known).into_iter().chain(quoted(ignored)).collect();
+        stated.sort_unstable();
+        for plugin in &names[1..] {
+            let said = refusal(names[0], plugin);
+            assert!(said.contains("has no parameter 'unknown'"), "{plugin}: {said}");
+            let valid = said.split("valid are ").nth(1).unwrap_or_default().replace(" and ", ", ");
+            let mut valid: Vec<&str> = valid.split(", ").filter(|name| !name.is_empty()).collect();
+            valid.sort_unstable();
+            if valid != stated {
+                wrong.push(format!("{} {plugin}: the page has {stated:?}, the loader {valid:?}", names[0]));
+            }
+            rows += 1;
+        }
+    }
+    assert!(wrong.is_empty(), "docs/scenes.md: {}", wrong.join("; "));
+    assert!(rows > 60, "{rows} plugins");
+    // What the page says is refused is, with that reason.
+    let refused = page.split("| element | why |\n|---|---|\n").nth(1).unwrap();
+    for row in refused.lines().take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = row.split('|').collect();
+        let (elements, why) = (cells[1], cells[2].replace('`', ""));
+        for group in elements.split(';') {
+            let names = quoted(group);
+            let tags = ["bsdf", "shape", "emitter", "sensor", "film", "texture", "integrator"];
+            let (tag, plugins) =
+                if tags.contains(&names[0]) { (Some(names[0]), &names[1..]) } else { (None, &names[..]) };
+            for plugin in plugins {
+                let said = match tag {
+                    Some("integrator") => continue, // refused where it would be used: tests/mitsuba.rs
+                    Some(tag) => refusal(tag, plugin),
+                    None => refusal(plugin, "homogeneous"),
+                };
+                assert!(said.contains(why.trim()), "{plugin}: {said}");
+            }
+        }
+    }
+}

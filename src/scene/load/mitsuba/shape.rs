@@ -92,6 +92,14 @@ impl Loader {
         let emission = match object.object_of("emitter")? {
             None => None,
             Some(emitter) if emitter.plugin == "area" => Some(self.radiance(&emitter)?),
+            // A beam along the normal, which no path from the camera finds: Mitsuba's `path` shows nothing of it either.
+            Some(emitter) if emitter.plugin == "directionalarea" => {
+                self.radiance(&emitter)?;
+                self.builder
+                    .warnings
+                    .push(format!("{}: its beam is left out, as Mitsuba's path tracers leave it out", emitter.title()));
+                Some(([0.0; 3], None))
+            }
             Some(emitter) => {
                 return Err(emitter.error(format!("a shape can only hold an area light, not {}", emitter.title())));
             }
