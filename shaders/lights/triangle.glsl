@@ -6,7 +6,7 @@ vec3 triangle_light_factor(Light light, vec2 b) {
     Vectors2 uvs = Vectors2(scene.uvs);
     vec2 uv = light.corners.x == NONE ? b : (1.0 - b.x - b.y) * uvs.at[light.corners.x] + b.x * uvs.at[light.corners.y] + b.y * uvs.at[light.corners.z];
     float alpha = 1.0;
-    if (HAS_ALPHA_COLOURS && light.corners.x != NONE) {
+    if (HAS_ALPHA_COLOURS && scene.colours != uvec2(0u) && light.corners.x != NONE) {
         Vectors4 colours = Vectors4(scene.colours);
         alpha = (1.0 - b.x - b.y) * colours.at[light.corners.x].a + b.x * colours.at[light.corners.y].a + b.y * colours.at[light.corners.z].a;
     }

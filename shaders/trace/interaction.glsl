@@ -47,15 +47,16 @@ void triangle_attributes(Primitive p, Hit hit, inout Interaction at) {
     bool has_uvs = (p.surface & UV_BIT) != 0u;
     bool has_tangents = HAS_TANGENTS && (p.surface & TANGENT_BIT) != 0u;
     bool has_colours = HAS_COLOURS && scene.colours != uvec2(0u);
+    bool has_others = (HAS_ATTRIBUTES || HAS_SECOND_UVS) && scene.corners != uvec2(0u); // which textures look up by themselves
     Corners corners = Corners(0u, 0u, 0u);
-    if (has_uvs || has_colours || has_tangents || HAS_ATTRIBUTES || HAS_SECOND_UVS) corners = Triples(scene.corners).at[hit.primitive];
+    if (has_uvs || has_colours || has_tangents || has_others) corners = Triples(scene.corners).at[hit.primitive];
     if (has_uvs) {
         Vectors2 uvs = Vectors2(scene.uvs);
         uv0 = uvs.at[corners.i0], uv1 = uvs.at[corners.i1], uv2 = uvs.at[corners.i2];
     }
     vec3 b = vec3(1.0 - hit.uv.x - hit.uv.y, hit.uv);
     at.uv = b.x * uv0 + b.y * uv1 + b.z * uv2;
-    if (HAS_ATTRIBUTES || HAS_SECOND_UVS) {
+    if (has_others) {
         at.corners = uvec3(corners.i0, corners.i1, corners.i2);
         at.weights = b;
     }
