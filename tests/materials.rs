@@ -97,6 +97,22 @@ fn roughness_is_textured_by_direction() {
     assert_eq!(of("<float name='alpha' value='0'/>"), (vec![], [1e-4; 2]));
 }
 
+/// As a number a checkerboard shows its squares the other way round, as Mitsuba's does.
+#[test]
+fn checkerboards_of_numbers_and_of_colours() {
+    let inner = board("color0", "0.1", "0.2");
+    let nested = |name: &str| {
+        format!("<texture type='checkerboard' name='{name}'>{inner}<float name='color1' value='0.3'/></texture>")
+    };
+    let scene = square(&format!("<bsdf type='principled'>{}{}</bsdf>", nested("base_color"), nested("roughness")));
+    let seen = |index: usize| scene.textures[scene.textures_of(&scene.materials[0])[index].texture as usize];
+    let (colour, number) = (seen(0), seen(1));
+    assert_eq!((colour.offset[0], colour.texels[1]), (0.3, NONE));
+    assert_eq!((number.scale[0], number.texels[0]), (0.3, NONE));
+    let [inner, exchanged] = [colour.texels[0], number.texels[1]].map(|index| scene.textures[index as usize]);
+    assert_eq!((inner.scale[0], exchanged.scale[0]), (0.1, 0.2));
+}
+
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n
 property float warm_0\nproperty float warm_1\nproperty float warm_2\nproperty float wet_x\nelement face 2\n
 property list uchar int vertex_indices\nproperty float red\nproperty float green\nproperty float blue\nend_header\n
@@ -152,7 +168,7 @@ fn masks_and_blends_nest() {
     let by_texture = board("weight", "0.75", "0");
     let scene = square(&blend(&by_texture, matte, "<bsdf type='null'/>"));
     let rest = &scene.textures[scene.surfaces[0].opacity_texture as usize];
-    assert_eq!((scene.surfaces[0].opacity, rest.scale[0], rest.offset[0]), (1.0, 0.25, 1.0));
+    assert_eq!((scene.surfaces[0].opacity, rest.scale[0], rest.offset[0]), (1.0, 1.0, 0.25));
     let two =
         format!("<scene version='3.0.0'><shape type='sphere'>{}</shape></scene>", blend(&by_texture, &half, &half));
     let error = load(two.as_bytes(), "scene.xml", &[]).unwrap_err().to_string();

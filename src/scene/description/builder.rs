@@ -47,6 +47,8 @@ pub struct SceneBuilder {
     pub(in crate::scene) textures: Vec<TextureDescription>,
     /// The names of the attributes of meshes that textures show.
     pub(in crate::scene) attributes: Vec<String>,
+    /// Checkerboards by those whose squares have changed places.
+    exchanged: HashMap<u32, u32>,
     pub(in crate::scene) materials: Vec<MaterialDescription>,
     /// Their names in the file, where they have any.
     pub(in crate::scene) names: HashMap<usize, String>,
@@ -83,6 +85,7 @@ impl SceneBuilder {
             images: Vec::new(),
             textures: Vec::new(),
             attributes: Vec::new(),
+            exchanged: HashMap::new(),
             materials: Vec::new(),
             names: HashMap::new(),
             blends: Vec::new(),
@@ -127,6 +130,20 @@ impl SceneBuilder {
     pub fn texture(&mut self, texture: TextureDescription) -> u32 {
         self.textures.push(texture);
         self.textures.len() as u32 - 1
+    }
+
+    /// This texture where it is no checkerboard; else one whose squares, and those of all checkerboards within, have changed places.
+    pub(in crate::scene) fn with_squares_exchanged(&mut self, texture: u32) -> u32 {
+        let mut copy = self.textures[texture as usize];
+        let Pattern::Checkerboard(a, b) = copy.pattern else { return texture };
+        if let Some(made) = self.exchanged.get(&texture) {
+            return *made;
+        }
+        let [first, second] = copy.squares.map(|square| square.map(|inner| self.with_squares_exchanged(inner)));
+        (copy.pattern, copy.squares) = (Pattern::Checkerboard(b, a), [second, first]);
+        let made = self.texture(copy);
+        self.exchanged.insert(texture, made);
+        made
     }
 
     /// The texture of 1 less so much of another one; none of a checkerboard of textures.

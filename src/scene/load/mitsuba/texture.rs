@@ -126,7 +126,9 @@ impl Loader {
         range: [f64; 2],
     ) -> Result<(f64, u32)> {
         if let Some(texture) = object.texture(name) {
-            return Ok((1.0, self.make_texture(&texture)?));
+            let made = self.make_texture(&texture)?;
+            // Of a number, Mitsuba's checkerboard shows `color1` where it shows `color0` of a colour.
+            return Ok((1.0, self.builder.with_squares_exchanged(made)));
         }
         let value = object.optional_scalar(name)?.unwrap_or(default);
         if !(range[0]..=range[1]).contains(&value) {
