@@ -1,6 +1,7 @@
 // What the camera sees of surfaces, apart from how light is transported: the layers of docs/aovs.md. Samples stand where those of the image
 // stand, with its places under the pixel filter and on the lens; the host runs this kernel once the image is there.
 #version 460
+#define SPLITS_LOBES true
 #include "core/prelude.glsl"
 #include "trace/trace.glsl"
 #include "transport/emission.glsl"
@@ -10,8 +11,19 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Aov
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer AovPixels { AovPixel at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Numbers { uint at[]; };
 
-// Mirrors and smooth glass that a path goes on from: between two mirrors it would have no end.
+// Mirrors and smooth glass that a path goes on from, at most: between two mirrors it would have no end.
 const uint MOST_SPECULAR = 32u;
+
+// Whether a surface shows what lies elsewhere rather than itself: all its lobes are deltas or narrow. A mixture has broad ones if they return or
+// let through anything of the directions in which all of them do, if any.
+bool is_specular(Bsdf b, vec3 wo) {
+    if (!bsdf_has_broad(b)) return true;
+    if (!SPLITS || !IS_MIXTURE(b)) return false;
+    Bsdf broad = broad_lobes(b);
+    bool shows = false;
+    for (uint turn = 0u; turn < turns(2u); turn++) shows = shows || bsdf_eval(broad, wo, turn == 0u ? vec3(-wo.xy, wo.z) : -wo) != vec3(0.0);
+    return !shows;
+}
 
 layout(local_size_x = WORKGROUP) in;
 
@@ -47,7 +59,7 @@ void main() {
             }
             if (has_bsdf) {
                 b = vertex_material(v, path.ray, path.random);
-                if (table.through_specular != 0u && bsdf_is_delta(b) && path.depth < MOST_SPECULAR) {
+                if (table.through_specular != 0u && path.depth < MOST_SPECULAR && is_specular(b, v.wo)) {
                     BsdfSample s = vertex_sample(v, b, path.ray, next4(path.random).xyz);
                     goes_on = s.weight != vec3(0.0);
                     if (goes_on) path_scatter(path, v, b, s);
