@@ -6,7 +6,7 @@
     cargo build --release
     benches/mitsuba_scenes.py mitsuba-data [NAME ...] [--seeds 8] [--spp 32] [--samples 512]
 
-Loads each surface scene of tests/scenes (media are left out) and of scenes/, renders it here and with Mitsuba, and compares linear images:
+The tutorials (mitsuba-renderer/mitsuba-tutorials) can stand in place of mitsuba-data. Loads each surface scene of tests/scenes (media are left out) and of scenes/, renders it here and with Mitsuba, and compares linear images:
 the energy (within 0.3 % or three standard deviations) and the means of tiles (a z-test of each, Sidak-corrected at 1 %). The variance of
 Mitsuba's image is that over seeds, the variance of lumbre's its own `--aov variance`. Prints a line for each scene, and exits with 1 if one
 does not load or differs. NAME picks the scenes whose path has it.
@@ -101,7 +101,9 @@ def main():
             pick = lambda prefix: pixels[..., [channels.index(prefix + channel) for channel in "RGB"]]
             image, own_variance = pick(""), pick("variance.")
         try:
-            theirs = mi.load_file(str(path), **({"integrator": chosen} if chosen and "$integrator" in text else {}))
+            # Mitsuba 3.9.1's `path` counts the opacity of a mask twice where it samples lights: 0.207 where its `direct` and `volpath` have 0.409.
+            masked = "sphere_grid" in text or '"mask"' in text
+            theirs = mi.load_file(str(path), **({"integrator": "volpath" if masked else chosen} if masked or chosen else {}))
             # Mitsuba's `direct` counts lights without a surface once for each of several emitter samples, and does not divide by their number.
             several = 'name="emitter_samples"' in text
             own = {"integrator": mi.load_dict({"type": "direct"})} if several else {}

@@ -138,3 +138,28 @@ fn what_is_refused_says_why() {
         assert!(message.contains("scene.xml:1") && message.contains(reason), "{body}: {message}");
     }
 }
+
+/// `rotate` takes its axis as it is, as Mitsuba 3.9 does: the matrix is the one that it gives for 15 degrees around (0, 1, 1).
+#[test]
+fn rotations_are_those_of_mitsuba() {
+    let of = |axis: &str| {
+        let body = format!(
+            r#"<shape type="rectangle"><transform name="to_world"><rotate {axis} angle="15"/></transform></shape>"#
+        );
+        load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]).unwrap()
+    };
+    let corner = |scene: &Scene| {
+        let bounds = scene.bounds.max - scene.bounds.min;
+        [bounds.x / 2.0, bounds.y / 2.0, bounds.z / 2.0]
+    };
+    let stretched = of(r#"y="1" z="1""#);
+    for (found, expected) in corner(&stretched).iter().zip([1.22474, 1.25882, 0.292893]) {
+        assert!((found - expected).abs() < 1e-5, "{found} against {expected}");
+    }
+    assert!(stretched.warnings.iter().any(|warning| warning.contains("no unit vector")));
+    let turned = of(r#"z="1""#);
+    let expected = 15f32.to_radians().cos() + 15f32.to_radians().sin();
+    assert!(
+        (corner(&turned)[0] - expected).abs() < 1e-6 && !turned.warnings.iter().any(|warning| warning.contains("unit"))
+    );
+}

@@ -175,7 +175,7 @@ impl<'a> Parser<'a> {
             return Ok(());
         }
         if !is_object(child) && child.tag != "ref" {
-            let (name, value) = parse_property(child)?;
+            let (name, value) = parse_property(child, &self.warnings)?;
             return insert(object, child, name, value);
         }
         let meant = if child.tag == "ref" { self.named(child, child.attribute("id")?)? } else { child };
@@ -249,7 +249,7 @@ fn upgrade(object: &mut Object) {
     }
 }
 
-fn parse_property(element: &Element) -> Result<(String, Value)> {
+fn parse_property(element: &Element, warnings: &Warnings) -> Result<(String, Value)> {
     let supported =
         "float, integer, boolean, string, point, vector, rgb, srgb, spectrum, transform, ref, default and include";
     let wrong = |what: &str| {
@@ -288,7 +288,7 @@ fn parse_property(element: &Element) -> Result<(String, Value)> {
             Value::Rgb(decoded.ok_or_else(|| wrong("a colour such as #a0b1c2, or three numbers in 0 to 1"))?)
         }
         "spectrum" => parse_spectrum(element)?,
-        "transform" => Value::Transform(transform::parse(element)?),
+        "transform" => Value::Transform(transform::parse(element, warnings)?),
         tag => {
             return Err(element.error(format!(
                 "<{tag}> is not supported here; supported are {} and {supported}",

@@ -1,16 +1,21 @@
 //! `<transform>`: a list of maps, the first of which is applied first.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::document::Element;
 use super::numbers::{number, numbers, vector};
+use super::object::Warnings;
 use crate::error::Result;
 use crate::scene::camera;
 
 /// The product of a transform's parts.
-pub(super) fn parse(element: &Element) -> Result<DAffine3> {
+pub(super) fn parse(element: &Element, warnings: &Warnings) -> Result<DAffine3> {
     let mut total = DAffine3::IDENTITY;
     for part in &element.children {
+        if part.tag == "rotate" && (vector(part, 0.0)?.length() - 1.0).abs() > 1e-3 {
+            let warning = "the axis of <rotate> is no unit vector: it stretches as well, as in Mitsuba";
+            warnings.borrow_mut().push(format!("{}:{}: {warning}", part.file.path.display(), part.line));
+        }
         total = parse_part(part)? * total;
     }
     let determinant = total.matrix3.determinant();
@@ -18,6 +23,14 @@ pub(super) fn parse(element: &Element) -> Result<DAffine3> {
         return Err(element.error("the transform is singular: it must be invertible, with finite numbers"));
     }
     Ok(total)
+}
+
+/// Rodrigues' formula, a rotation around a unit vector. As Mitsuba does, it takes another vector as it is, and stretches.
+fn rotation(axis: DVec3, angle: f64) -> DMat3 {
+    let (sine, cosine) = angle.sin_cos();
+    let cross = DMat3::from_cols(axis.cross(DVec3::X), axis.cross(DVec3::Y), axis.cross(DVec3::Z));
+    let outer = DMat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
+    DMat3::from_diagonal(DVec3::splat(cosine)) + cross * sine + outer * (1.0 - cosine)
 }
 
 fn parse_part(part: &Element) -> Result<DAffine3> {
@@ -35,10 +48,11 @@ fn parse_part(part: &Element) -> Result<DAffine3> {
             let text = part.attribute("angle")?;
             let angle =
                 number(text).ok_or_else(|| part.error(format!("<rotate> 'angle': '{text}' is not a number")))?;
-            let axis = vector(part, 0.0)?
-                .try_normalize()
-                .ok_or_else(|| part.error("<rotate> needs an axis: x, y or z other than 0"))?;
-            Ok(DAffine3::from_quat(DQuat::from_axis_angle(axis, angle.to_radians())))
+            let axis = vector(part, 0.0)?;
+            if axis == DVec3::ZERO {
+                return Err(part.error("<rotate> needs an axis: x, y or z other than 0"));
+            }
+            Ok(DAffine3::from_mat3(rotation(axis, angle.to_radians())))
         }
         "lookat" | "lookAt" => {
             let (origin, target) = (point("origin")?, point("target")?);
