@@ -60,6 +60,8 @@ pub(super) struct Statements<'p> {
     pub needs_colours: bool,
     pub names: Names,
     line: Vec<u8>,
+    /// So many bytes of it are what tobj is to read next.
+    handed_on: Option<usize>,
     /// What tobj is to read next.
     out: Vec<u8>,
     at: usize,
@@ -88,6 +90,7 @@ impl<'p> Statements<'p> {
             needs_colours: false,
             names: Names { groups: vec![String::from("unnamed_object")], ..Names::default() },
             line: Vec::new(),
+            handed_on: None,
             out: Vec::new(),
             at: 0,
             counts: [0; 3],
@@ -130,7 +133,8 @@ impl<'p> Statements<'p> {
             LoadError::NormalParseError => "the normal",
             _ => return at(self.lines.number, format!("not a valid OBJ file: {error}")),
         };
-        let line = String::from_utf8_lossy(&self.line);
+        let line = self.out.trim_ascii_end().rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+        let line = String::from_utf8_lossy(line);
         at(
             self.lines.number,
             format!("{what} has something that is no number: '{line}'; numbers are such as 1, -.5, 1e-3"),
@@ -150,11 +154,16 @@ impl<'p> Statements<'p> {
             self.end_part();
             return Ok(true);
         }
-        let line = std::mem::take(&mut self.line);
+        let mut line = std::mem::take(&mut self.line);
         let read = match std::str::from_utf8(&line) {
             Ok(text) => self.statement(text),
             Err(_) => Err(String::from("the file is not text (UTF-8)")),
         };
+        if let Some(length) = self.handed_on.take() {
+            line.truncate(length);
+            line.push(b'\n');
+            std::mem::swap(&mut line, &mut self.out);
+        }
         self.line = line;
         read.map_err(|message| {
             self.error = Some(Error::scene_line(self.path, self.lines.number, message));
@@ -193,6 +202,15 @@ impl<'p> Statements<'p> {
         Ok(true)
     }
 
+    /// Hands on the beginning of the line that is read, without a copy where nothing else is handed on.
+    fn pass(&mut self, beginning: &str) {
+        if self.out.is_empty() {
+            self.handed_on = Some(beginning.len());
+        } else {
+            self.push(beginning);
+        }
+    }
+
     fn push(&mut self, line: &str) {
         self.out.extend_from_slice(line.as_bytes());
         self.out.push(b'\n');
@@ -216,7 +234,7 @@ impl<'p> Statements<'p> {
         }
         self.counts[0] += 1;
         if !has_colour && !self.has_colours {
-            self.push(line);
+            self.pass(line);
             return Ok(true);
         }
         let mut words: Vec<&str> = line.split_ascii_whitespace().take(7).collect();
@@ -305,7 +323,7 @@ impl<'p> Statements<'p> {
             }
         };
         if common == at_once && common == any && word == "f" {
-            self.push(text);
+            self.pass(text);
             return Ok(());
         }
         let mut face = String::from("f");
