@@ -54,15 +54,8 @@ pub const FAMILIES: &[Family] = &[
     ),
     (
         "principled thin sheet",
-        |r| {
-            material::principled_thin(
-                WHITE,
-                r,
-                1.5,
-                Principled { diff_trans: 0.8, spec_trans: 0.3, ..Principled::default() },
-            )
-        },
-        1.58,
+        |r| material::principled_thin(WHITE, r, 1.5, Principled { diff_trans: 0.8, ..Principled::default() }),
+        1.36,
     ),
     ("layered metal", |r| layered(WHITE, r, plain_layers(1.0)), 1.002),
     ("layered wall", |r| layered(WHITE, r, Layered { transmission: 1.0, ..plain_layers(0.0) }), 1.002),
