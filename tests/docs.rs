@@ -202,3 +202,31 @@ fn parameters_of_mitsuba_s_plugins_are_those_that_are_read() {
         }
     }
 }
+
+/// The page of formats names the extensions of glTF that the loader reads, all of them and no other, and what it says is not read is refused.
+#[test]
+fn extensions_of_gltf_are_those_that_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.gltf");
+    let refusal = |extension: &str| {
+        let text = format!(r#"{{"asset": {{"version": "2.0"}}, "extensionsRequired": ["{extension}"]}}"#);
+        std::fs::write(&path, text).unwrap();
+        lumbre::scene::load(&path, &lumbre::scene::LoadOptions::default()).unwrap_err().to_string()
+    };
+    let page = read(&root().join("docs/scenes.md"));
+    let names = |title: &str| -> Vec<String> {
+        let table = page.split(title).nth(1).unwrap();
+        let rows = table.lines().take_while(|line| line.starts_with('|'));
+        rows.flat_map(|row| quoted(row.split('|').nth(1).unwrap())).map(str::to_owned).collect()
+    };
+    let said = refusal("VENDOR_unknown");
+    let read = said.split("read are ").nth(1).unwrap().replace(" or ", ", ");
+    let mut read: Vec<&str> = read.split(", ").collect();
+    let mut stated = names("| extension | read |\n|---|---|\n");
+    read.sort_unstable();
+    stated.sort_unstable();
+    assert_eq!(stated, read);
+    for name in names("| extension | not read, as |\n|---|---|\n") {
+        assert!(refusal(&name).contains(&format!("requires the extension '{name}'")), "{name}");
+    }
+}
