@@ -244,6 +244,22 @@ fn cases() -> Vec<Case> {
         case("layered, half thin wall", 0.25, layered(colour, 0.5, Layered { transmission: 0.6, ..plain })).thin(),
         case("layered, volume", 0.16, layered(WHITE, 0.4, Layered { transmission: 1.0, is_volume: 1, ..plain })),
         case(
+            "layered, iridescent volume",
+            0.16,
+            layered(
+                WHITE,
+                0.4,
+                Layered {
+                    transmission: 1.0,
+                    is_volume: 1,
+                    iridescence: 1.0,
+                    iridescence_eta: 1.8,
+                    iridescence_thickness: 300.0,
+                    ..plain
+                },
+            ),
+        ),
+        case(
             "layered, coated volume",
             0.01,
             layered(

@@ -152,7 +152,7 @@ fn what_is_begun_anew_says_so() {
 fn remains_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    for name in [".lumbre-dead42", ".lumbre-notes", "lumbre-abcdef"] {
+    for name in [".lumbre-partial-dead42", ".lumbre-notes", "lumbre-abcdef"] {
         std::fs::write(at(name), "half").unwrap();
     }
     let put = |name: &str, before: &dyn Fn()| {

@@ -163,3 +163,31 @@ fn rotations_are_those_of_mitsuba() {
         (corner(&turned)[0] - expected).abs() < 1e-6 && !turned.warnings.iter().any(|warning| warning.contains("unit"))
     );
 }
+
+/// What shares its parts has far more ways down than parts: none of these takes long, and shapes that are too many are an error.
+#[test]
+fn shared_parts_do_not_multiply() {
+    let of = |body: &str| load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]);
+    let levels =
+        |first: &str, next: &dyn Fn(usize) -> String| (1..60).fold(first.to_owned(), |text, level| text + &next(level));
+    let merged = levels(r#"<shape type="merge" id="s0"><shape type="sphere"/></shape>"#, &|level| {
+        let below = level - 1;
+        format!(r#"<shape type="merge" id="s{level}"><ref id="s{below}"/><ref id="s{below}"/></shape>"#)
+    });
+    let message = of(&merged).unwrap_err().to_string();
+    assert!(message.contains("more than 1048576 shapes"), "{message}");
+    let squares = levels(r#"<texture type="checkerboard" id="t0"/>"#, &|level| {
+        let below = level - 1;
+        format!(
+            r#"<texture type="checkerboard" id="t{level}"><ref name="color0" id="t{below}"/><ref name="color1" id="t{below}"/></texture>"#
+        )
+    });
+    let lamp = r#"<shape type="rectangle"><emitter type="area"><ref name="radiance" id="t59"/></emitter></shape>"#;
+    assert_eq!(of(&format!("{squares}{lamp}")).unwrap().lights.len(), 2);
+    let blends = levels(r#"<bsdf type="diffuse" id="b0"/>"#, &|level| {
+        let below = level - 1;
+        format!(r#"<bsdf type="blendbsdf" id="b{level}"><ref id="b{below}"/><ref id="b{below}"/></bsdf>"#)
+    });
+    let attribute = r#"<bsdf type="diffuse"><texture name="reflectance" type="mesh_attribute"><string name="name" value="vertex_c"/></texture></bsdf>"#;
+    assert!(of(&format!(r#"{attribute}{blends}<shape type="sphere"><ref id="b59"/></shape>"#)).is_ok());
+}

@@ -91,16 +91,16 @@ vec3 layered_with_film(Layered l, vec3 reflectance, vec3 base, float cos_h) {
 
 // Reflectance of the dielectric for a cosine to the half vector: on the side of the outside, or `inside` of a volume.
 vec3 layered_fresnel(Material m, Layered l, float cos_h, bool inside) {
-    float weight;
+    float cos_outside = abs(cos_h);
+    bool passes = true;
     if (inside) {
         float cos2_t = 1.0 - m.eta * m.eta * (1.0 - cos_h * cos_h);
-        weight = cos2_t > 0.0 ? schlick_weight(sqrt(cos2_t)) : 1.0;
-    } else {
-        weight = schlick_weight(abs(cos_h));
+        passes = cos2_t > 0.0;
+        cos_outside = passes ? sqrt(cos2_t) : 0.0;
     }
     vec3 f0 = layered_f0(m, l);
-    vec3 f = mix(f0, vec3(l.specular), weight);
-    return inside ? f : layered_with_film(l, f, f0, cos_h);
+    vec3 f = mix(f0, vec3(l.specular), schlick_weight(cos_outside));
+    return passes ? layered_with_film(l, f, f0, cos_outside) : f;
 }
 
 // Reflectance of the metal.

@@ -67,7 +67,7 @@ bool vertex_flips(Vertex v, vec3 world) {
 // Probability with which a light subpath, which does not know the camera's side yet, takes the normal that it has: the mirrored one as often as cosine-weighted
 // directions ask for it.
 float vertex_flip_share(Vertex v) {
-    float flips = 0.5 * (1.0 - abs(dot(v.basis.normal, v.at.shading_normal)));
+    float flips = clamp(0.5 * (1.0 - dot(v.basis.normal, v.at.shading_normal)), 1e-3, 1.0 - 1e-3);
     return v.flipped ? flips : 1.0 - flips;
 }
 
@@ -82,7 +82,7 @@ void vertex_flip(inout Vertex v, Ray ray, inout Sampler random) {
 // shadowing function to solve the bump terminator problem", Ray Tracing Gems, chapter 12).
 float slope_shadowing(Vertex v, vec3 light) {
     float cos_n = dot(v.basis.normal, v.at.shading_normal), cos_l = dot(light, v.at.shading_normal);
-    float alpha2 = min(0.125 * (1.0 / (cos_n * cos_n) - 1.0), 1.0);
+    float alpha2 = clamp(0.125 * (1.0 / (cos_n * cos_n) - 1.0), 0.0, 1.0);
     float tan2 = max(1.0 / (cos_l * cos_l) - 1.0, 0.0);
     return 2.0 / (1.0 + sqrt(1.0 + alpha2 * tan2));
 }

@@ -24,7 +24,7 @@ pub fn check_writable(path: &Path) -> Result<()> {
             }
             match temporary_beside(&file) {
                 Ok(_) => Ok(()),
-                Err(_) if there.is_some() && is_writable(&file).is_ok() => Ok(()),
+                Err(error) if takes_no_new_file(&error) && there.is_some() && is_writable(&file).is_ok() => Ok(()),
                 Err(error) => Err(refused(&error.kind())),
             }
         }
@@ -42,7 +42,7 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn WriteSeek) -> Resul
     };
     let mut partial = match temporary_beside(&file) {
         Ok(partial) => partial,
-        Err(_) if there.is_some() && is_writable(&file).is_ok() => {
+        Err(error) if takes_no_new_file(&error) && there.is_some() && is_writable(&file).is_ok() => {
             return pass_on(path, write, || File::options().write(true).truncate(true).open(&file));
         }
         Err(error) => return Err(Error::write(path, error.kind())),
@@ -87,12 +87,17 @@ pub(crate) fn inherit(new: &File, old: &Metadata) -> io::Result<()> {
     new.set_permissions(Permissions::from_mode(old.mode() & 0o777))
 }
 
+/// Whether the folder takes no new files of this user's. Where there is no room for one, what is there stays as it is.
+fn takes_no_new_file(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem)
+}
+
 /// What a new file is written through: encoders of images seek in it.
 pub trait WriteSeek: Write + Seek {}
 impl<T: Write + Seek> WriteSeek for T {}
 
 /// What the names of files begin with that are not complete yet, and how many characters follow.
-const PARTIAL: &str = ".lumbre-";
+const PARTIAL: &str = ".lumbre-partial-";
 const PARTIAL_CHARACTERS: usize = 6;
 
 /// A file that is locked for as long as this process writes it: the system undoes that when the process ends, however it ends, which tells

@@ -41,6 +41,7 @@ void take_up(inout Path path) {
     path.eta = branch.eta;
     path.depth = branch.depth;
     path.cone = branch.cone;
+    path.delta = true; // two lobes are of deltas alone
 }
 
 // The two lobes between which u.z decides, each weighted by its own share; the second has no weight where there is one only.

@@ -1,5 +1,7 @@
 //! Which attributes of meshes the textures of each surface show.
 
+use std::collections::HashSet;
+
 use crate::error::{Error, Result};
 use crate::layout::{MATERIAL_BLEND, NONE};
 use crate::scene::description::SceneBuilder;
@@ -17,51 +19,72 @@ pub(super) fn of_surfaces(description: &SceneBuilder) -> Result<Vec<Vec<usize>>>
         Lamp::Projector { texture, .. } => Some(*texture),
         _ => None,
     });
-    let lit = description.surfaces.iter().filter_map(|surface| surface.emission_texture).chain(lamps);
+    // What emits has masks without them as well: a light sample knows no attributes.
+    let masks = description.surfaces.iter().filter(|surface| surface.emission != [0.0; 3]);
+    let masks = masks.filter_map(|surface| surface.mask.and_then(|mask| mask.texture));
+    let lit = description.surfaces.iter().filter_map(|surface| surface.emission_texture).chain(masks).chain(lamps);
     for texture in lit {
-        let mut shown = Vec::new();
-        of_texture(description, texture, &mut shown);
-        if let Some(first) = shown.first() {
+        let mut walk = Walk::new(description);
+        walk.texture(texture);
+        if let Some(first) = walk.shown.first() {
             let name = &description.attributes[*first];
             let message = format!(
-                "a light shows the mesh attribute '{name}': emission may be a number, a colour or a texture of texels"
+                "a light shows the mesh attribute '{name}': its emission and its mask may be a number, a colour or a texture of texels"
             );
             return Err(Error::scene(&description.source, message));
         }
     }
     let of_surface = |surface: &crate::scene::SurfaceDescription| {
-        let mut shown = Vec::new();
-        [surface.front, surface.back].into_iter().flatten().for_each(|side| of_material(description, side, &mut shown));
+        let mut walk = Walk::new(description);
+        [surface.front, surface.back].into_iter().flatten().for_each(|side| walk.material(side));
         if let Some(texture) = surface.mask.and_then(|mask| mask.texture) {
-            of_texture(description, texture, &mut shown);
+            walk.texture(texture);
         }
-        shown.sort_unstable();
-        shown.dedup();
-        shown
+        walk.shown.sort_unstable();
+        walk.shown
     };
     Ok(description.surfaces.iter().map(of_surface).collect())
 }
 
-fn of_material(description: &SceneBuilder, material: usize, shown: &mut Vec<usize>) {
-    let material = &description.materials[material];
-    if material.record.kind == MATERIAL_BLEND {
-        let blend = &description.blends[material.record.detail as usize];
-        of_material(description, blend.first as usize, shown);
-        of_material(description, blend.second as usize, shown);
-        of_texture(description, blend.weight_texture, shown);
-    }
-    let maps = &material.textures;
-    maps.properties.iter().for_each(|own| of_texture(description, own.texture, shown));
-    [maps.normal, maps.bump].into_iter().for_each(|texture| of_texture(description, texture, shown));
+/// What materials and textures show, each looked at once: they may share what they hold, and then have far more ways down than there are of them.
+struct Walk<'a> {
+    description: &'a SceneBuilder,
+    materials: HashSet<usize>,
+    textures: HashSet<u32>,
+    shown: Vec<usize>,
 }
 
-fn of_texture(description: &SceneBuilder, texture: u32, shown: &mut Vec<usize>) {
-    if texture == NONE {
-        return;
+impl<'a> Walk<'a> {
+    fn new(description: &'a SceneBuilder) -> Self {
+        Self { description, materials: HashSet::new(), textures: HashSet::new(), shown: Vec::new() }
     }
-    let texture = &description.textures[texture as usize];
-    if let Pattern::Attribute(index) = texture.pattern {
-        shown.push(index);
+
+    fn material(&mut self, material: usize) {
+        if !self.materials.insert(material) {
+            return;
+        }
+        let material = &self.description.materials[material];
+        if material.record.kind == MATERIAL_BLEND {
+            let blend = &self.description.blends[material.record.detail as usize];
+            self.material(blend.first as usize);
+            self.material(blend.second as usize);
+            self.texture(blend.weight_texture);
+        }
+        let maps = &material.textures;
+        maps.properties.iter().for_each(|own| self.texture(own.texture));
+        [maps.normal, maps.bump].into_iter().for_each(|texture| self.texture(texture));
     }
-    texture.squares.into_iter().flatten().for_each(|inner| of_texture(description, inner, shown));
+
+    fn texture(&mut self, texture: u32) {
+        if texture == NONE || !self.textures.insert(texture) {
+            return;
+        }
+        let texture = &self.description.textures[texture as usize];
+        if let Pattern::Attribute(index) = texture.pattern
+            && !self.shown.contains(&index)
+        {
+            self.shown.push(index);
+        }
+        texture.squares.into_iter().flatten().for_each(|inner| self.texture(inner));
+    }
 }

@@ -120,17 +120,23 @@ pub(super) fn textured_share(
         kind => unreachable_kind(kind, NONE),
     };
     Some(texture).filter(|texture| *texture != NONE).map_or(1.0, |texture| {
-        *brightness.entry(texture).or_insert_with(|| importance(texture_mean(description, texture)))
+        *brightness
+            .entry(texture)
+            .or_insert_with(|| importance(texture_mean(description, texture, &mut HashMap::new())))
     })
 }
 
-/// Mean of a texture's values.
-fn texture_mean(description: &SceneBuilder, texture: u32) -> [f64; 3] {
-    let texture = &description.textures[texture as usize];
-    match texture.pattern {
+/// Mean of a texture's values. `known` keeps those of what is in it: textures may share what they show, and then have far more ways down
+/// than there are of them.
+fn texture_mean(description: &SceneBuilder, index: u32, known: &mut HashMap<u32, [f64; 3]>) -> [f64; 3] {
+    if let Some(mean) = known.get(&index) {
+        return *mean;
+    }
+    let texture = &description.textures[index as usize];
+    let mean = match texture.pattern {
         Pattern::Checkerboard(a, b) => {
-            let square = |index: usize, colour: [f32; 3]| match texture.squares[index] {
-                Some(inner) => texture_mean(description, inner),
+            let mut square = |index: usize, colour: [f32; 3]| match texture.squares[index] {
+                Some(inner) => texture_mean(description, inner, known),
                 None => colour.map(f64::from),
             };
             let (a, b) = (square(0, a), square(1, b));
@@ -141,5 +147,7 @@ fn texture_mean(description: &SceneBuilder, texture: u32) -> [f64; 3] {
             let mean = description.images[image].mean();
             [0, 1, 2].map(|i| (mean[i] * f64::from(texture.scale[i]) + f64::from(texture.offset[i])).max(0.0))
         }
-    }
+    };
+    known.insert(index, mean);
+    mean
 }

@@ -9,6 +9,8 @@ pub(super) const XML_ELEMENTS: u32 = 1 << 20;
 pub(super) const INCLUDES: usize = 16;
 /// Elements, and objects by way of references, nested in each other: what reads them is recursive, and no scene needs more.
 pub(super) const DEPTH: usize = 64;
+/// Shapes that are placed, those of shapes that are merged again each time: merged shapes may share what they hold.
+pub(super) const SHAPES: u32 = 1 << 20;
 /// Bytes that parameters stand for where they are used, all uses together: parameters may hold other parameters.
 pub(super) const PARAMETER_BYTES: usize = 16 << 20;
 /// Bytes of a file with a spectrum.

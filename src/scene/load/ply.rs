@@ -97,10 +97,9 @@ fn read_all(path: &Path, wants_colours: bool, attributes: &[String]) -> Result<M
     }
     faces.check(path, mesh.positions.len())?;
     mesh.face_attributes = columns.into_iter().map(Column::into_attribute).collect();
-    if mesh.face_attributes.iter().any(|own| own.values.len() != faces.triangles.len())
-        || !mesh.face_attributes.is_empty() && !faces.counts.is_empty()
-    {
-        return Err(Error::scene(path, "textures show attributes of its faces, all of which must then be triangles"));
+    // Of triangles alone; a texture that shows those of other faces does not find them.
+    if mesh.face_attributes.iter().any(|own| own.values.len() != faces.triangles.len()) || !faces.counts.is_empty() {
+        mesh.face_attributes.clear();
     }
     mesh.triangles = faces.triangles;
     let polygons = polygons::cut(&mesh.positions, &faces.corners, faces.counts.into_iter());

@@ -81,20 +81,22 @@ impl Buffers {
             let Some(compression) = found else { continue };
             let bytes =
                 self.bytes(document, compression.buffer, (compression.byte_offset, compression.byte_length), &place)?;
-            let data = meshopt::decompress(&compression, bytes)
-                .map_err(|message| document.wrong(&place, format!("extensions.{MESHOPT}: {message}")))?;
-            if data.len() as u64 != view.byte_length.0 {
-                let (found, claimed) = (data.len(), view.byte_length.0);
+            let wrong = |message: String| document.wrong(&place, format!("extensions.{MESHOPT}: {message}"));
+            compression.check().map_err(wrong)?;
+            // Before it is decompressed: a byte stands for up to 64.
+            let (found, claimed) = (compression.bytes(), view.byte_length.0);
+            if found != claimed {
                 return Err(document
                     .wrong(&place, format!("it has {found} bytes decompressed, and its byteLength is {claimed}")));
             }
-            total += data.len() as u64;
+            total += found;
             if total > FILE_BYTES {
                 return Err(document.wrong(
                     &place,
                     format!("more than {FILE_BYTES} bytes are compressed by here, and no more are read"),
                 ));
             }
+            let data = meshopt::decompress(&compression, bytes).map_err(wrong)?;
             self.decompressed.insert(index, data);
         }
         Ok(())

@@ -18,6 +18,30 @@ pub(super) struct Compression {
     filter: String,
 }
 
+impl Compression {
+    /// Fails where its numbers are not those of its mode.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { byte_stride: stride, count, .. } = *self;
+        match self.mode.as_str() {
+            "ATTRIBUTES" if stride % 4 != 0 || !(4..=256).contains(&stride) => {
+                Err(format!("its byteStride is {stride}, and must be a multiple of 4 up to 256"))
+            }
+            "TRIANGLES" | "INDICES" if stride != 2 && stride != 4 => {
+                Err(format!("its byteStride is {stride}, and must be 2 or 4 for indices"))
+            }
+            "TRIANGLES" if count % 3 != 0 => {
+                Err(format!("its count is {count}, and triangles have three indices each"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Bytes of what is decompressed.
+    pub fn bytes(&self) -> u64 {
+        (self.count as u64).saturating_mul(self.byte_stride as u64)
+    }
+}
+
 fn no_filter() -> String {
     String::from("NONE")
 }
@@ -28,16 +52,7 @@ const TOO_SHORT: &str = "the compressed data end too early";
 pub(super) fn decompress(compression: &Compression, bytes: &[u8]) -> Result<Vec<u8>, String> {
     let Compression { byte_stride: stride, count, .. } = *compression;
     let mut data = match compression.mode.as_str() {
-        "ATTRIBUTES" if stride % 4 != 0 || !(4..=256).contains(&stride) => {
-            return Err(format!("its byteStride is {stride}, and must be a multiple of 4 up to 256"));
-        }
         "ATTRIBUTES" => attributes(bytes, count, stride)?,
-        "TRIANGLES" | "INDICES" if stride != 2 && stride != 4 => {
-            return Err(format!("its byteStride is {stride}, and must be 2 or 4 for indices"));
-        }
-        "TRIANGLES" if count % 3 != 0 => {
-            return Err(format!("its count is {count}, and triangles have three indices each"));
-        }
         "TRIANGLES" => packed(&triangles(bytes, count)?, stride),
         "INDICES" => packed(&sequence(bytes, count)?, stride),
         _ => return Err(String::from("its mode is unknown: valid are ATTRIBUTES, TRIANGLES and INDICES")),

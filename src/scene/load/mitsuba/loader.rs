@@ -23,6 +23,8 @@ pub(super) struct Loader {
     pub textures: HashMap<*const Object, u32>,
     pub images: HashMap<(PathBuf, Encoding), usize>,
     pub groups: HashMap<*const Object, usize>,
+    /// Shapes so far, those of merged shapes again each time.
+    pub shapes: u32,
     /// Rough metals and rough glass get back what they lose to multiple scattering.
     pub energy_compensation: bool,
 }
@@ -33,6 +35,7 @@ impl Loader {
             builder: SceneBuilder::new(path),
             materials: HashMap::new(),
             groups: HashMap::new(),
+            shapes: 0,
             textures: HashMap::new(),
             images: HashMap::new(),
             energy_compensation: options.energy_compensation,

@@ -26,6 +26,7 @@ fn read(path: &Path, options: &LoadOptions) -> Result<Missing> {
     let mut loader = Loader::new(path, options);
     let mut found = Found { seen: HashSet::new(), refused: wrong.iter().map(Error::to_string).collect() };
     found.try_children(&mut loader, &scene);
+    found.refused.extend(loader.builder.technique.refused.take());
     let mut builder = loader.builder;
     builder.warnings.extend(scene.take_warnings());
     let mut missing = Missing { refused: Vec::new(), warnings: builder.warnings.clone(), names: root.file.named() };
@@ -56,9 +57,8 @@ impl Found {
                 let read = match child.tag.as_str() {
                     // These are read by what holds them.
                     "film" | "sampler" | "rfilter" => Ok(()),
-                    "emitter" if child.plugin == "area" => Ok(()),
-                    "shape" if object.tag == "scene" => loader.add_shape(&child, WORLD),
-                    "shape" => Ok(()),
+                    "emitter" if matches!(child.plugin.as_str(), "area" | "directionalarea") => Ok(()),
+                    "shape" => loader.add_shape(&child, WORLD),
                     _ => loader.add(&child),
                 };
                 self.note(&child, read);

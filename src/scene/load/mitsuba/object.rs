@@ -73,8 +73,16 @@ impl Object {
         self.error(format!("{} '{}' is not supported; supported are {}", self.tag, self.plugin, one_of(valid)))
     }
 
+    /// Takes note of what was asked for. An object that is used in many places is asked again each time.
+    fn note(&self, name: &'static str) {
+        let mut asked = self.asked.borrow_mut();
+        if !asked.contains(&name) {
+            asked.push(name);
+        }
+    }
+
     fn find(&self, name: &'static str) -> Option<&Property> {
-        self.asked.borrow_mut().push(name);
+        self.note(name);
         let found = self.properties.get(name)?;
         found.used.set(true);
         Some(found)
@@ -303,7 +311,7 @@ impl Object {
 
     /// The texture that stands for a property, if there is one.
     pub fn texture(&self, name: &'static str) -> Option<Rc<Object>> {
-        self.asked.borrow_mut().push(name);
+        self.note(name);
         let child =
             self.children.iter().find(|child| child.object.tag == "texture" && child.name.as_deref() == Some(name))?;
         child.used.set(true);
@@ -331,9 +339,13 @@ impl Object {
 
     /// An error for all that was given and that nobody asked for.
     pub fn unasked(&self) -> Vec<Error> {
+        if self.properties.values().all(|property| property.used.get())
+            && self.children.iter().all(|child| child.used.get())
+        {
+            return Vec::new();
+        }
         let mut asked = self.asked.borrow().clone();
         asked.sort_unstable();
-        asked.dedup();
         let valid = if asked.is_empty() { String::from("it has none") } else { format!("valid are {}", all_of(asked)) };
         let properties = self.properties.iter().filter(|(_, property)| !property.used.get()).map(|(name, property)| {
             let message = format!("{} has no parameter '{name}'; {valid}", self.title());

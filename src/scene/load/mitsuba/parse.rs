@@ -116,6 +116,15 @@ impl<'a> Parser<'a> {
         if !self.under_way.insert(element) {
             return Err(element.error(format!("<{}> refers to itself, by way of what is in it", element.tag)));
         }
+        let made = self.make(element, depth);
+        self.under_way.remove(&std::ptr::from_ref(element));
+        let made = made?;
+        self.made.insert(element, made.clone());
+        Ok(made)
+    }
+
+    /// Makes an object with what is in it.
+    fn make(&mut self, element: &'a Element, depth: usize) -> Result<Rc<Object>> {
         let allowed: &[&str] = if element.tag == "scene" { &["version"] } else { &["type", "id", "name", "version"] };
         if let Some(unknown) = element.attributes.keys().find(|name| !allowed.contains(&name.as_str())) {
             return Err(element.error(format!(
@@ -151,8 +160,6 @@ impl<'a> Parser<'a> {
             // Light of the colour of daylight is white in RGB, whatever it is multiplied by.
             let of_daylight = object.only_texture()?;
             object.finish()?;
-            self.under_way.remove(&std::ptr::from_ref(element));
-            self.made.insert(element, of_daylight.clone());
             return Ok(of_daylight);
         }
         object.constant = constant::value_of(&object)?;
@@ -161,10 +168,7 @@ impl<'a> Parser<'a> {
         if object.depth > DEPTH {
             return Err(element.error(format!("objects are nested more than {DEPTH} deep, references included")));
         }
-        self.under_way.remove(&std::ptr::from_ref(element));
-        let object = Rc::new(object);
-        self.made.insert(element, object.clone());
-        Ok(object)
+        Ok(Rc::new(object))
     }
 }
 

@@ -30,7 +30,7 @@ impl Loader {
                 if radius < 0.0 {
                     return Err(object.property_error("aperture_radius", format!("{radius} is negative")));
                 }
-                let focus = object.positive_float("focus_distance", 1e4)?;
+                let focus = object.positive_float("focus_distance", object.positive_float("far_clip", 1e4)?)?;
                 (Projection::ThinLens { radius, focus }, field_of_view(object)?)
             }
             "orthographic" => (Projection::Orthographic, (45.0, FovAxis::X)),

@@ -8,6 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::loader::{Loader, Sides};
 use super::object::Object;
 use crate::error::{Error, Result};
+use crate::scene::load::limits::SHAPES;
 use crate::scene::load::{obj, ply, serialized};
 use crate::scene::{Mesh, SurfaceDescription, material};
 
@@ -17,6 +18,12 @@ const SUPPORTED: [&str; 11] =
 impl Loader {
     /// Adds a shape to a group.
     pub(super) fn add_shape(&mut self, object: &Rc<Object>, group: usize) -> Result<()> {
+        self.shapes += 1;
+        if self.shapes > SHAPES {
+            let message =
+                format!("the scene has more than {SHAPES} shapes by here, those of merged shapes counted each time");
+            return Err(object.error(message));
+        }
         match object.plugin.as_str() {
             "shapegroup" => return self.shape_group(object).map(|_| ()),
             // Its shapes stay what they are: how they are stored changes no image.

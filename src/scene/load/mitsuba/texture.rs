@@ -105,6 +105,7 @@ impl Loader {
             other => other,
         })?;
         let made = self.builder.image(image);
+        self.builder.within_limits()?;
         self.images.insert((file, encoding), made);
         Ok(made)
     }
