@@ -286,7 +286,8 @@ vec3 layered_eval_at(Material m, Layered l, vec3 wo, vec3 wi) {
     }
     float shine = visible / (4.0 * abs(wo.z));
     value = (l.metallic * layered_metal(m, l, cos_h) + (1.0 - l.metallic) * f) * shine;
-    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - diffuse_passage) * (1.0 - largest_channel(f));
+    float diffuse = (1.0 - l.metallic) * (1.0 - l.transmission) * (1.0 - largest_channel(f));
+    if (HAS_LAYERED_DIFFUSE_TRANSMISSION) diffuse *= 1.0 - diffuse_passage;
     if (!takes_lobes(m, false)) diffuse = 0.0;
     if (inside) return diffuse_passage > 0.0 ? value + m.reflectance * (diffuse * cos_i * INV_PI) : value;
     value += m.reflectance * (diffuse * cos_i * INV_PI);
@@ -312,7 +313,9 @@ float layered_pdf_at(Material m, Layered l, vec3 wo, vec3 wi) {
     vec3 up = wo.z > 0.0 ? wo : -wo; // ggx_visible_pdf takes h on the side of +z
     vec3 lobes = layered_lobes(m, l, wo);
     float pdf = 0.0;
-    if (takes_lobes(m, false)) pdf = lobes.x * (reflected ? 1.0 - diffuse_passage : diffuse_passage) * abs(wi.z) * INV_PI;
+    if (takes_lobes(m, false)) pdf = lobes.x * abs(wi.z) * INV_PI;
+    if (HAS_LAYERED_DIFFUSE_TRANSMISSION) pdf *= reflected ? 1.0 - diffuse_passage : diffuse_passage;
+    else if (!reflected) pdf = 0.0;
     vec3 h = layered_half(m, l, wo, wi);
     float wo_h = dot(wo, h), wi_h = dot(wi, h);
     vec2 alpha = layered_alphas(m, l);
