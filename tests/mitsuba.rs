@@ -1,19 +1,10 @@
 //! Mitsuba's scenes as people have them: references, old versions, plugins that are values.
 
-use crate::common::{render, settings, with_gpu};
+use crate::common::{load_files, render, settings, with_gpu};
 use lumbre::layout::backend::Backend;
 use lumbre::render::Settings;
 use lumbre::render::film::Film;
 use lumbre::scene::{LoadOptions, Scene};
-
-/// Writes files to a folder of their own and loads the first one.
-fn load(files: &[(&str, &str)]) -> lumbre::Result<Scene> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    lumbre::scene::load(&folder.path().join(files[0].0), &LoadOptions::default())
-}
 
 /// One scene, written as Mitsuba's files are found: with references to what comes later, aliases, emitters and textures by reference, folders to
 /// look in, and textures that are values. All say the same.
@@ -58,8 +49,9 @@ fn references_go_anywhere_and_constants_are_values() {
 /// Versions before 2 have other names for the same; new ones do not know these.
 #[test]
 fn old_versions_are_read_as_mitsuba_upgrades_them() {
-    let of =
-        |version: &str, body: &str| load(&[("scene.xml", &format!(r#"<scene version="{version}">{body}</scene>"#))]);
+    let of = |version: &str, body: &str| {
+        load_files(&[("scene.xml", &format!(r#"<scene version="{version}">{body}</scene>"#))])
+    };
     let old = r##"<integrator type="path"><integer name="maxDepth" value="5"/><boolean name="hideEmitters" value="True"/></integrator>
         <sensor type="perspective"><string name="fovAxis" value="smaller"/><transform name="toWorld"><lookAt origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
         <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="4"/><string name="pixelFormat" value="rgb"/></film>
@@ -89,7 +81,7 @@ fn emitters_can_be_hidden() {
             <sensor type="perspective"><float name="fov" value="40"/><transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
             <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>{shapes}</scene>"#
         );
-        load(&[("scene.xml", &xml)]).unwrap()
+        load_files(&[("scene.xml", &xml)]).unwrap()
     };
     // A wall, and a lamp between it and the camera that faces the wall on one side and the camera on the other.
     let wall = r#"<shape type="rectangle"><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></shape>"#;
@@ -119,7 +111,7 @@ fn emitters_can_be_hidden() {
 /// An integrator that there is not is refused where it would be used, with what there is; what cannot be read says why.
 #[test]
 fn what_is_refused_says_why() {
-    let of = |body: &str| load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]);
+    let of = |body: &str| load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]);
     let shape = r#"<shape type="sphere"/>"#;
     let refused = |integrator: &str| of(&format!("{integrator}{shape}")).unwrap().technique.refused.unwrap();
     assert!(refused(r#"<integrator type="magic"/>"#).contains("supported are path, direct"));
@@ -146,7 +138,7 @@ fn rotations_are_those_of_mitsuba() {
         let body = format!(
             r#"<shape type="rectangle"><transform name="to_world"><rotate {axis} angle="15"/></transform></shape>"#
         );
-        load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]).unwrap()
+        load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]).unwrap()
     };
     let corner = |scene: &Scene| {
         let bounds = scene.bounds.max - scene.bounds.min;
@@ -167,7 +159,7 @@ fn rotations_are_those_of_mitsuba() {
 /// What shares its parts has far more ways down than parts: none of these takes long, and shapes that are too many are an error.
 #[test]
 fn shared_parts_do_not_multiply() {
-    let of = |body: &str| load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]);
+    let of = |body: &str| load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{body}</scene>"#))]);
     let levels =
         |first: &str, next: &dyn Fn(usize) -> String| (1..60).fold(first.to_owned(), |text, level| text + &next(level));
     let merged = levels(r#"<shape type="merge" id="s0"><shape type="sphere"/></shape>"#, &|level| {

@@ -2,28 +2,19 @@
 
 use std::path::PathBuf;
 
-use crate::common::{assert_mean, average, backends, backends_in_time, canon, render, settings, with_gpu};
+use crate::common::{assert_mean, average, backends, backends_in_time, canon, load_files, render, settings, with_gpu};
 use glam::DVec3;
 use lumbre::layout::backend::Backend;
 use lumbre::layout::{MATERIAL_DIELECTRIC, NONE, SMOOTH_BIT, SPHERE_BIT};
 use lumbre::render::Settings;
 use lumbre::scene::{Filter, LoadOptions, Needs, Scene};
 
-/// Writes files to a folder of their own and loads the first one.
-fn load(files: &[(&str, &str)]) -> lumbre::Result<Scene> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
-    lumbre::scene::load(&folder.path().join(files[0].0), &LoadOptions::default())
-}
-
 /// A Mitsuba scene of these elements and a camera at (0, 0, 5) that looks at the origin.
 fn mitsuba(body: &str) -> Scene {
     let camera = r#"<sensor type="perspective"><float name="fov" value="20"/>
         <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
         <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/><rfilter type="box"/></film></sensor>"#;
-    load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{camera}{body}</scene>"#))]).unwrap()
+    load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{camera}{body}</scene>"#))]).unwrap()
 }
 
 /// The mean of the picture that `path` makes, on the first backend.
@@ -173,7 +164,7 @@ fn spectra_become_colours() {
     };
     let file = "# nm, value\n400 0.1\n500 0.5 # green\n\n600 0.9\n700 0.2\n";
     for (text, files) in [(body(samples), vec![]), (body(r#"filename="x.spd""#), vec![("x.spd", file)])] {
-        let scene = load(&[vec![("scene.xml", text.as_str())], files].concat()).unwrap();
+        let scene = load_files(&[vec![("scene.xml", text.as_str())], files].concat()).unwrap();
         near(scene.materials[0].reflectance, [0.833_826, 0.689_122, 0.265_243]);
         near(scene.background.unwrap(), [0.974_324, 0.661_608, 0.229_711]);
         // An index of refraction may exceed 1; what is negative is clamped, which is said.
@@ -185,7 +176,7 @@ fn spectra_become_colours() {
         near(scene.materials[2].reflectance, [1.0, 0.502_886, 0.0]);
     }
     let orange = r#"<scene version="3.0.0"><bsdf type="diffuse"><spectrum name="reflectance" value="590:1, 830:1"/></bsdf></scene>"#;
-    let scene = load(&[("scene.xml", orange)]).unwrap();
+    let scene = load_files(&[("scene.xml", orange)]).unwrap();
     assert_eq!(scene.materials[0].reflectance[0], 1.0, "a reflectance is clamped to 1, too");
 }
 
@@ -275,7 +266,7 @@ fn conductors_have_names() {
         let kind = if name == "W" { "roughconductor" } else { "conductor" };
         let rough = if name == "W" { r#"<string name="distribution" value="ggx"/>"# } else { "" };
         let bsdf = format!(r#"<bsdf type="{kind}"><string name="material" value="{name}"/>{rough}</bsdf>"#);
-        let scene = load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{bsdf}</scene>"#))]).unwrap();
+        let scene = load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{bsdf}</scene>"#))]).unwrap();
         (scene.materials[0].conductor_eta, scene.materials[0].conductor_k)
     };
     // As Mitsuba 3.9 has them.
@@ -286,7 +277,7 @@ fn conductors_have_names() {
     assert_eq!(metal("none"), ([0.0; 3], [1.0; 3]));
     // One of the two indices alone leaves the other at the mirror's.
     let scene = r#"<scene version="3.0.0"><bsdf type="conductor"><rgb name="eta" value="1, 2, 3"/></bsdf></scene>"#;
-    let scene = load(&[("scene.xml", scene)]).unwrap();
+    let scene = load_files(&[("scene.xml", scene)]).unwrap();
     assert_eq!((scene.materials[0].conductor_eta, scene.materials[0].conductor_k), ([1.0, 2.0, 3.0], [1.0; 3]));
 }
 
@@ -351,7 +342,7 @@ fn meshes_get_vertex_normals_unless_told_otherwise() {
         let xml = format!(
             r#"<scene version="3.0.0"><shape type="obj"><string name="filename" value="square.obj"/>{extra}</shape><emitter type="constant"/></scene>"#
         );
-        load(&[("scene.xml", xml.as_str()), ("square.obj", SQUARE_OBJ)]).unwrap()
+        load_files(&[("scene.xml", xml.as_str()), ("square.obj", SQUARE_OBJ)]).unwrap()
     };
     let smooth = scene("");
     assert!(smooth.primitives.iter().all(|primitive| primitive.surface & SMOOTH_BIT != 0));
@@ -366,7 +357,7 @@ fn obj_brings_its_materials_along() {
     let obj =
         "mtllib square.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl red\nf 1 2 3\nusemtl glow\nf -4 -2 -1\n";
     let mtl = "newmtl red\nKd 0.8 0.1 0.1\nnewmtl glow\nKd 0 0 0\nKe 2 3 4\n";
-    let scene = load(&[("square.obj", obj), ("square.mtl", mtl)]).unwrap();
+    let scene = load_files(&[("square.obj", obj), ("square.mtl", mtl)]).unwrap();
     assert_eq!(scene.primitives.len(), 2);
     assert_eq!(scene.lights.len(), 1);
     assert_eq!(scene.lights[0].radiance, [2.0, 3.0, 4.0]);
@@ -374,7 +365,7 @@ fn obj_brings_its_materials_along() {
     assert_eq!(red.reflectance, [0.8, 0.1, 0.1]);
     assert_eq!(scene.warnings.len(), 1, "only the camera is missing: {:?}", scene.warnings);
 
-    let scene = load(&[("square.obj", obj)]).unwrap();
+    let scene = load_files(&[("square.obj", obj)]).unwrap();
     assert!(scene.warnings.iter().any(|warning| warning.contains("square.mtl")), "{:?}", scene.warnings);
 }
 
@@ -446,7 +437,7 @@ fn glass_is_one_material_on_both_sides() {
 
 #[test]
 fn defaults_step_in_with_a_warning() {
-    let scene = load(&[("square.obj", SQUARE_OBJ)]).unwrap();
+    let scene = load_files(&[("square.obj", SQUARE_OBJ)]).unwrap();
     assert_eq!(scene.background, Some([1.0; 3]));
     assert!(scene.warnings.iter().any(|warning| warning.contains("no camera")));
     assert!(scene.warnings.iter().any(|warning| warning.contains("no light")));
@@ -457,7 +448,7 @@ fn defaults_step_in_with_a_warning() {
 #[test]
 fn degenerate_triangles_are_dropped_and_counted() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 1 1 2\n";
-    let scene = load(&[("mesh.obj", obj)]).unwrap();
+    let scene = load_files(&[("mesh.obj", obj)]).unwrap();
     assert_eq!(scene.primitives.len(), 1);
     assert!(scene.warnings.iter().any(|warning| warning.starts_with("2 of 3 triangles")), "{:?}", scene.warnings);
 }
@@ -480,7 +471,7 @@ fn far_scenes_keep_their_detail() {
         far.y,
         far.z
     );
-    let scene = load(&[("scene.xml", &xml)]).unwrap();
+    let scene = load_files(&[("scene.xml", &xml)]).unwrap();
     let size = scene.bounds.max - scene.bounds.min;
     assert!((size - glam::Vec3::splat(0.002)).abs().max_element() < 1e-8, "the cube measures {size}");
     assert!(scene.cameras[0].to_world.translation.length() < 1.0);
@@ -597,7 +588,8 @@ fn each_sensor_has_its_own_film() {
         sensor("right_half", 64, 48, half, ""),
         String::from(r#"<sensor type="perspective" id="bare"/>"#),
     ];
-    let scene = load(&[("scene.xml", &format!(r#"<scene version="3.0.0">{}</scene>"#, sensors.concat()))]).unwrap();
+    let scene =
+        load_files(&[("scene.xml", &format!(r#"<scene version="3.0.0">{}</scene>"#, sensors.concat()))]).unwrap();
     let asked = |name: &str| {
         let camera = scene.camera(Some(name)).unwrap();
         let mut own = settings(&scene, "path", Backend::Bvh);
@@ -640,5 +632,5 @@ fn lights_of_radiance_0_are_lights() {
     let gltf = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "extensionsUsed": ["KHR_lights_punctual"],
         "nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}],
         "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 0}]}}}"#;
-    assert!(load(&[("scene.gltf", gltf)]).unwrap().background.is_none());
+    assert!(load_files(&[("scene.gltf", gltf)]).unwrap().background.is_none());
 }

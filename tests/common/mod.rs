@@ -216,3 +216,12 @@ pub fn film_of(width: u32, height: u32, pixels: &[[Estimate; 3]]) -> Film {
         ..Film::default()
     }
 }
+
+/// Writes files to a folder of their own and loads the first one.
+pub fn load_files(files: &[(&str, &str)]) -> lumbre::Result<Scene> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    lumbre::scene::load(&folder.path().join(files[0].0), &lumbre::scene::LoadOptions::default())
+}

@@ -61,4 +61,10 @@ impl TextureDescription {
             offset: [0.0; 4],
         }
     }
+
+    /// The same colour everywhere.
+    pub fn constant(colour: [f64; 3]) -> Self {
+        let colour = colour.map(|channel| channel as f32);
+        Self::new(Pattern::Checkerboard(colour, colour))
+    }
 }

@@ -16,11 +16,6 @@ pub struct Missing {
     pub names: Vec<PathBuf>,
 }
 
-/// Whether a file has the extension of a scene file.
-fn is_scene(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.to_string_lossy().to_lowercase().parse::<SceneFormat>().is_ok())
-}
-
 /// Everything that would be refused of a Mitsuba scene; of other formats, which end at the first error, that one.
 pub fn missing(path: &Path, options: &LoadOptions) -> Missing {
     if path.is_file() && matches!(format_of(path, options), Ok(SceneFormat::Xml)) {
@@ -46,7 +41,7 @@ pub fn scene_files(path: &Path) -> Result<Vec<PathBuf>> {
             // Links may lead round in a circle.
             match kind.is_dir() {
                 true => left.push(path),
-                false if is_scene(&path) => files.push(path),
+                false if SceneFormat::by_extension(&path).is_some() => files.push(path),
                 false => {}
             }
         }

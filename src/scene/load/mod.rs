@@ -31,8 +31,7 @@ fn format_of(path: &Path, options: &LoadOptions) -> Result<SceneFormat> {
         let message = format!("a scene from standard input (-): say its format with --format {}", one_of(extensions));
         return Err(Error::Usage(message));
     }
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if let Ok(format) = extension.parse() {
+    if let Some(format) = SceneFormat::by_extension(path) {
         return Ok(format);
     }
     std::fs::metadata(path).map_err(|error| Error::read(path, error))?;

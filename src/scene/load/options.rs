@@ -1,5 +1,7 @@
 //! How a scene is to be read.
 
+use std::path::Path;
+
 use crate::error::one_of;
 use crate::scene::LightSelection;
 
@@ -30,6 +32,13 @@ impl std::str::FromStr for SceneFormat {
         found
             .map(|(_, format)| *format)
             .ok_or_else(|| format!("valid are {}", one_of(Self::ALL.map(|(known, _)| known))))
+    }
+}
+
+impl SceneFormat {
+    /// The format that the extension of a file's name says.
+    pub fn by_extension(path: &Path) -> Option<Self> {
+        path.extension()?.to_string_lossy().to_lowercase().parse().ok()
     }
 }
 

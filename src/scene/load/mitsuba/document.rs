@@ -48,9 +48,7 @@ impl SourceFile {
         self.named.borrow_mut().push(found.clone());
         found
     }
-}
 
-impl SourceFile {
     /// All files that the scene has named so far.
     pub fn named(&self) -> Vec<PathBuf> {
         self.named.borrow().clone()

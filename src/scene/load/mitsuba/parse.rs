@@ -170,9 +170,7 @@ impl<'a> Parser<'a> {
         }
         Ok(Rc::new(object))
     }
-}
 
-impl<'a> Parser<'a> {
     /// Adds what an element within an object stands for.
     fn child(&mut self, object: &mut Object, child: &'a Element, depth: usize) -> Result<()> {
         if child.tag == "alias" {

@@ -39,10 +39,7 @@ impl Loader {
                 TextureDescription { squares, ..TextureDescription::new(pattern) }
             }
             "mesh_attribute" => self.mesh_attribute(object)?,
-            _ if object.constant.is_some() => {
-                let value = object.constant_colour(Colour::Unbounded)?.map(|channel| channel as f32);
-                TextureDescription::new(Pattern::Checkerboard(value, value))
-            }
+            _ if object.constant.is_some() => TextureDescription::constant(object.constant_colour(Colour::Unbounded)?),
             _ => return Err(object.unknown_plugin(&SUPPORTED)),
         };
         texture.map = uv_map(&object.transform("to_uv")?);
@@ -54,8 +51,7 @@ impl Loader {
 
     /// A texture that is the same everywhere.
     pub(super) fn constant_texture(&mut self, colour: [f64; 3]) -> u32 {
-        let colour = colour.map(|channel| channel as f32);
-        self.builder.texture(TextureDescription::new(Pattern::Checkerboard(colour, colour)))
+        self.builder.texture(TextureDescription::constant(colour))
     }
 
     fn mesh_attribute(&mut self, object: &Rc<Object>) -> Result<TextureDescription> {

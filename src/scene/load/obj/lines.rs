@@ -73,6 +73,15 @@ impl Lines {
     }
 }
 
+/// Reads from what is read in chunks.
+pub(super) fn read_from(chunks: &mut impl BufRead, out: &mut [u8]) -> io::Result<usize> {
+    let available = chunks.fill_buf()?;
+    let count = available.len().min(out.len());
+    out[..count].copy_from_slice(&available[..count]);
+    chunks.consume(count);
+    Ok(count)
+}
+
 /// What stands before a comment.
 pub(super) fn without_comment(text: &str) -> &str {
     text.split_once('#').map_or(text, |(before, _)| before)

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use tobj::LoadError;
 
-use super::lines::{Lines, keyword, without_comment};
+use super::lines::{Lines, keyword, read_from, without_comment};
 use crate::error::{Error, Result};
 
 /// Keywords with a colour.
@@ -132,11 +132,7 @@ impl Statements {
 
 impl Read for Statements {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let available = self.fill_buf()?;
-        let count = available.len().min(out.len());
-        out[..count].copy_from_slice(&available[..count]);
-        self.consume(count);
-        Ok(count)
+        read_from(self, out)
     }
 }
 

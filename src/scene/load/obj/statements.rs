@@ -9,7 +9,7 @@ use std::path::Path;
 
 use tobj::LoadError;
 
-use super::lines::{Lines, keyword, without_comment};
+use super::lines::{Lines, keyword, read_from, without_comment};
 use crate::error::{Error, Result};
 
 /// What a face's index refers to, in the order of `v/vt/vn`.
@@ -421,11 +421,7 @@ fn not_a_corner(corner: &str) -> String {
 
 impl Read for Statements<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let available = self.fill_buf()?;
-        let count = available.len().min(out.len());
-        out[..count].copy_from_slice(&available[..count]);
-        self.consume(count);
-        Ok(count)
+        read_from(self, out)
     }
 }
 
