@@ -28,6 +28,9 @@ pub(super) fn run(args: &DevicesArgs) -> Result<()> {
         print(&format!("{}  {}", device.index, device.name));
         print(&format!("   {:?}, {}, Vulkan {}, {}", device.kind, device.driver, device.vulkan, Bytes(device.memory)));
         print(&format!("   uuid {}, subgroups of {}", device.uuid, device.subgroup_size));
+        if !device.environment.is_empty() {
+            print(&format!("   set for its driver: {}", device.environment.join(" ")));
+        }
         for backend in &device.backends {
             let verdict = backend.refused.as_deref().map_or(String::from("yes"), |why| format!("no: {why}"));
             print(&format!("   {:<10} {verdict}", backend.name));

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 
+use super::mesa;
 use super::survey::{Survey, version_text};
 use crate::error::{Error, Result};
 
@@ -36,6 +37,7 @@ struct Debug {
 impl Instance {
     /// Loads Vulkan. With `validate`, every call is checked by the Khronos validation layer, which must be installed.
     pub fn new(validate: bool) -> Result<Self> {
+        mesa::widen();
         // SAFETY: loading the library runs its initialisers; the Vulkan loader's have no precondition.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| {
             Error::Device(format!(

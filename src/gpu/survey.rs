@@ -5,6 +5,7 @@ use std::ffi::CStr;
 use ash::{ext, khr, vk};
 use serde::Serialize;
 
+use super::mesa;
 use crate::layout::backend::{BACKENDS, Backend};
 
 /// The kind of hardware behind a device.
@@ -46,6 +47,8 @@ pub struct Survey {
     pub memory: u64,
     /// Threads that run in lockstep.
     pub subgroup_size: u32,
+    /// Environment variables that lumbre has set for its driver, as `NAME=VALUE`.
+    pub environment: Vec<String>,
     /// What lumbre needs of any device and this one lacks; empty where it is usable.
     pub missing: Vec<String>,
     /// Per backend, why it is refused; `null` where it works.
@@ -124,6 +127,7 @@ impl Survey {
             vulkan: version_text(version),
             memory: memory.map(|heap| heap.size).max().unwrap_or(0),
             subgroup_size: vulkan11.subgroup_size,
+            environment: if vulkan12.driver_id == vk::DriverId::MESA_LLVMPIPE { mesa::was_set() } else { Vec::new() },
             missing,
             backends,
         }
