@@ -99,7 +99,7 @@ fn layers_forms_and_seeds_go_on_as_well() {
             ("mlt of paths", of("mlt:form=paths:chains=1024:candidates=65536")),
             ("radiosity, shot", Settings { lengths: 3, ..of("radiosity:patches=4:solver=shoot") }),
             ("radiosity, quartered", of("radiosity:patches=4:adaptive=0.5:shown=patches")),
-            ("path, sobol", Settings { sampler: Sampler::Sobol, ..of("path") }),
+            ("path, independent", Settings { sampler: Sampler::Independent, ..of("path") }),
             ("bdpt by length", Settings { lengths: 3, ..of("bdpt") }),
             ("mlt by length", Settings { lengths: 3, ..of("mlt:chains=128:candidates=65536") }),
             ("vcm, large radius", of("vcm:radius=0.2:alpha=0.5")),
@@ -287,7 +287,11 @@ fn checkpoints_of_other_renderings_are_refused() {
         refused(&scene, &with(&|it| it.max_depth = Some(4)), &["longest path (none there, 4 asked for)"]);
         refused(&scene, &with(&|it| it.lengths = 4), &["layers by length"]);
         refused(&scene, &with(&|it| it.rr_depth = 99), &["roulette from segment"]);
-        refused(&scene, &with(&|it| it.sampler = Sampler::Sobol), &["sampler (independent there, sobol asked for)"]);
+        refused(
+            &scene,
+            &with(&|it| it.sampler = Sampler::Independent),
+            &["sampler (sobol there, independent asked for)"],
+        );
         let vcm = crate::common::settings(&scene, "vcm:radius=0.5", Backend::Bvh).technique;
         let both = with(&|it| (it.technique, it.seed) = (vcm.clone(), 1));
         refused(&scene, &both, &["technique (path", "seed (0 there, 1 asked for)"]);

@@ -307,7 +307,7 @@ fn in_earnest() -> Results {
     const NAMES: [&str; 5] = [
         "path on bvh",
         "path on bvh, lights=tree",
-        "path on ray-query, sampler=sobol",
+        "path on ray-query, sampler=independent",
         "bdpt on bvh, no-specialise",
         "photon radius=0.0125 on ray-query, lights=power",
     ];

@@ -6,15 +6,18 @@ use glam::Vec3;
 use lumbre::layout::RandomQuery;
 use lumbre::techniques::Sampler;
 
-/// The first 2^m samples of a pixel are a (0, m, 2)-net in each pair of numbers (Niederreiter 1992, definition 4.1): every
-/// rectangle of area 2^-m whose sides are powers of two, at a multiple of them, holds exactly one. No two pairs are the same.
+/// The first 2^m samples of each half of a pixel's, those of even and of odd index, are a (0, m, 2)-net in each pair of numbers (Niederreiter
+/// 1992, definition 4.1): every rectangle of area 2^-m whose sides are powers of two, at a multiple of them, holds exactly one. No two pairs
+/// are the same, nor are those of the halves.
 #[test]
 fn sobol_pairs_are_nets() {
     const LARGEST: u32 = 10;
     let mut queries = Vec::new();
     for (pixel, dimension, seed) in [(0, 0, 0), (1, 0, 0), (77, 3, 0), (77, 4, 9), (1 << 20, 513, u32::MAX)] {
-        let samples = 0..1 << LARGEST;
-        queries.extend(samples.map(|sample_index| RandomQuery { pixel, sample_index, dimension, seed }));
+        for half in 0..2 {
+            let samples = (0..1 << LARGEST).map(|index| 2 * index + half);
+            queries.extend(samples.map(|sample_index| RandomQuery { pixel, sample_index, dimension, seed }));
+        }
     }
     with_gpu(|gpu| {
         let rows = random_from(gpu, Sampler::Sobol, &queries);
@@ -37,7 +40,7 @@ fn sobol_pairs_are_nets() {
         }
         first.sort_unstable();
         first.dedup();
-        assert_eq!(first.len(), 10, "pairs are scrambled alike");
+        assert_eq!(first.len(), 20, "pairs are scrambled alike");
     });
 }
 

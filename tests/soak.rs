@@ -10,7 +10,7 @@ use crate::common::{backends, canon, settings, with_gpu};
 use lumbre::error::Error;
 use lumbre::layout::backend::Backend;
 use lumbre::render::{Renderer, Settings};
-use lumbre::techniques::{Correlated, SAMPLERS, Sampler, Strategies, TECHNIQUES};
+use lumbre::techniques::{Strategies, TECHNIQUES};
 
 /// Seconds of a soak where nobody says.
 const SECONDS: f64 = 20.0;
@@ -71,11 +71,7 @@ fn any_settings(random: &mut Random, scene: &lumbre::scene::Scene, backend: Back
     (any.width, any.height) = (1 + random.below(48) as u32, 1 + random.below(48) as u32);
     any.seed = random.below(1000) as u32;
     any.max_depth = random.of(&[Some(1), Some(2), Some(5), None]);
-    any.sampler = if row.correlated == Correlated::Samples {
-        SAMPLERS[0].sampler
-    } else {
-        random.of(&[SAMPLERS[0].sampler, Sampler::Sobol])
-    };
+    any.sampler = random.of(&row.samplers().iter().map(|row| row.sampler).collect::<Vec<_>>());
     match random.below(4) {
         0 => any.lengths = 1 + random.below(5) as u32,
         1 if row.tells_strategies => {

@@ -20,7 +20,7 @@ const IMAGES: usize = 12;
 
 /// Independent images of a technique.
 fn series(gpu: &Gpu, scene: &Scene, settings: &Settings, technique: &str, spp: u32) -> Series {
-    let settings = Settings { technique: lumbre::render::Technique::parse(technique).unwrap(), ..settings.clone() };
+    let settings = settings.for_technique(lumbre::render::Technique::parse(technique).unwrap());
     let mut renderer = Renderer::new(gpu, scene, &settings).unwrap();
     let mut series = Series::new(settings.width, settings.height, IMAGES, false);
     for image in 0..IMAGES {

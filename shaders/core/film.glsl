@@ -108,6 +108,7 @@ void sample_close(inout Pixel pixel, Estimate e) {
         precise vec3 square_lost = fma(x, x, -square);
         add_compensated(pixel.sums.squares, pixel.sums.squares_low, square);
         pixel.sums.squares_low += square_lost;
+        if (HAS_SOBOL) pixel.sums.difference += (pixel.sample_index & 1u) == 0u ? x : -x;
         if (LENGTH_LAYERS > 0u) {
             Layers layers = Layers(frame.layers);
             for (uint i = 0u; i < LENGTH_LAYERS; i++) {

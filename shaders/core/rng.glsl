@@ -60,27 +60,29 @@ uvec2 sobol_pair(uint reversed, uint shuffle, uint key_x, uint key_y) {
     return bitfieldReverse(uvec2(owen_hash(index, key_x), owen_hash(sobol_second(index), key_y)));
 }
 
-// Four numbers of the sample: two pairs, each of which is spread evenly over the unit square by the samples of a pixel.
-uvec4 sobol_pairs(Sampler s) {
-    uvec4 key = pcg4d(uvec4(s.pixel, s.dimension, s.seed, 0x5b0e1u));
+// Four numbers: two pairs, each of which the points of a sequence spread evenly over the unit square. Sequences of other numbers are
+// scrambled independently.
+uvec4 sobol_pairs(Sampler s, uint sequence, uint index) {
+    uvec4 key = pcg4d(uvec4(s.pixel, s.dimension, s.seed, 0x5b0e1u + sequence));
     uvec4 more = pcg4d(key);
-    uint reversed = bitfieldReverse(s.sample_index);
+    uint reversed = bitfieldReverse(index);
     return uvec4(sobol_pair(reversed, key.x, key.y, key.z), sobol_pair(reversed, more.x, more.y, more.z));
 }
 
-// The next four numbers, uniform on [0, 1) in steps of 2^-24: independent ones, or two pairs, each of which is spread evenly over
-// the unit square by the samples of a pixel.
+// The next four numbers, uniform on [0, 1) in steps of 2^-24: independent ones, or two pairs, each of which is spread evenly over the unit
+// square by the samples of even index and by those of odd index. The two halves are independent, so their difference tells the error
+// (FilmPixel.difference).
 vec4 next4(inout Sampler s) {
     uvec4 bits;
-    if (HAS_SOBOL) bits = sobol_pairs(s);
+    if (HAS_SOBOL) bits = sobol_pairs(s, s.sample_index & 1u, s.sample_index >> 1u);
     else bits = pcg4d(uvec4(s.pixel, s.sample_index, s.dimension, s.seed));
     s.dimension += 1u;
     return uniform4(bits);
 }
 
-// The next four numbers as two pairs that the samples of a pixel spread evenly over the unit square, whatever the sampler.
+// The next four numbers as two pairs that all samples together spread evenly over the unit square, whatever the sampler.
 vec4 next4_spread(inout Sampler s) {
-    uvec4 bits = sobol_pairs(s);
+    uvec4 bits = sobol_pairs(s, 0u, s.sample_index);
     s.dimension += 1u;
     return uniform4(bits);
 }

@@ -57,8 +57,22 @@ bool background_chosen(inout float u) {
     return chosen;
 }
 
-// One of all other lights, chosen from the alias table or the tree, with the probability of that; false where there is none.
-bool light_choose(ReferencePoint r, vec2 u, out Light light) {
+// Lights of which the numbers that place a sample can choose one as well and keep enough bits.
+const uint FEW_LIGHTS = 64u;
+
+// An entry of an alias table of the lights, each as likely. Of few, u.z chooses, and its rest is uniform again: where the pair u.zw is spread
+// evenly over the unit square, it is so over each of the lights. Of many, u.x.
+uint light_entry(inout vec4 u, uint count) {
+    bool few = count <= FEW_LIGHTS;
+    float place = (few ? u.z : u.x) * float(count);
+    uint index = min(uint(place), count - 1u);
+    if (few) u.z = min(place - float(index), 0.99999994);
+    return index;
+}
+
+// One of all other lights, chosen from the alias table or the tree, with the probability of that; false where there is none. u.zw is
+// uniform after it.
+bool light_choose(ReferencePoint r, inout vec4 u, out Light light) {
     uint count = HAS_LIGHT_TREE ? scene.table_lights : light_count();
     bool from_tree = HAS_LIGHT_TREE && u.x >= scene.table_probability;
     if (count == 0u && !from_tree) return false;
@@ -71,7 +85,7 @@ bool light_choose(ReferencePoint r, vec2 u, out Light light) {
         if (selection == 0.0) return false;
     }
     if (!from_tree && count > 1u) {
-        index = min(uint(u.x * float(count)), count - 1u);
+        index = light_entry(u, count);
         Light drawn = load_light(index);
         if (u.y >= drawn.keep) index = drawn.alias;
     }
@@ -80,13 +94,13 @@ bool light_choose(ReferencePoint r, vec2 u, out Light light) {
     return true;
 }
 
-// A sample of one light, which u.xy chooses, then sampled by u.zw.
+// A sample of one light: u chooses it, and u.zw places the sample on it.
 LightSample light_sample(ReferencePoint r, vec4 u) {
     vec3 p = r.position;
     if (background_chosen(u.x)) return background_sample(p, u);
     Light light;
     LightSample s = no_light();
-    if (!light_choose(r, u.xy, light)) return s;
+    if (!light_choose(r, u, light)) return s;
     SAMPLE_AREA_LIGHT(s, light, p, u.zw)
     if (HAS_DELTA_LIGHTS && is_delta_light(light)) s = delta_light_sample(light, p);
     return s;
@@ -111,7 +125,7 @@ float light_pdf(ReferencePoint r, Ray ray, Hit hit, Interaction at, Surface surf
     return triangle_light_pdf(primitive, p, at, surface.light_density, ray.direction);
 }
 
-// The beginning of a light subpath, of a light chosen by its power; position by u.zw, direction by v.xy.
+// The beginning of a light subpath, of a light chosen by its power: u chooses it, u.zw places the beginning, v.xy the direction.
 EmittedRay light_emit(vec4 u, vec4 v) {
     if (HAS_BACKGROUND) {
         if (u.x < scene.background_probability) return background_emit(u, v);
@@ -119,7 +133,7 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     }
     uint count = light_count();
     if (count == 0u) return no_emission();
-    uint index = min(uint(u.x * float(count)), count - 1u);
+    uint index = light_entry(u, count);
     if (count > 1u && u.y >= load_light(index).emission_keep) index = load_light(index).emission_alias;
     Light light = load_light(index);
     EmittedRay e = no_emission();

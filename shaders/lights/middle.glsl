@@ -44,7 +44,7 @@ LightSample light_middle_sample(ReferencePoint r, vec4 u, out bool middle) {
     if (background_chosen(u.x)) return background_sample(p, u);
     Light light;
     LightSample s = no_light();
-    if (!light_choose(r, u.xy, light)) return s;
+    if (!light_choose(r, u, light)) return s;
     middle = !(HAS_DELTA_LIGHTS && is_delta_light(light));
     if (HAS_TRIANGLE_LIGHTS && light.kind == LIGHT_TRIANGLE) s = triangle_light_middle(light, p);
     if (HAS_SPHERE_LIGHTS && light.kind == LIGHT_SPHERE) s = sphere_light_middle(light, p, u.zw);

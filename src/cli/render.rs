@@ -76,9 +76,9 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     rr_q: Option<String>,
 
-    /// Where uniform numbers come from: independent or sobol
-    #[arg(long, value_name = "NAME", default_value = SAMPLERS[0].name, value_parser = parse_sampler)]
-    sampler: Sampler,
+    /// Where uniform numbers come from: sobol (the default but for mlt) or independent
+    #[arg(long, value_name = "NAME", value_parser = parse_sampler)]
+    sampler: Option<Sampler>,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -356,7 +356,7 @@ fn settle(
     if let Some((width, height)) = args.size {
         (settings.width, settings.height) = (width, height);
     }
-    settings.sampler = args.sampler;
+    settings.sampler = args.sampler.unwrap_or(settings.sampler);
     settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
     settings.driver_specialises = args.driver_specialises;

@@ -40,6 +40,8 @@ shared_structs! {
         squares: vec3,
         /// Its low part.
         squares_low: vec3,
+        /// Sum of the samples of even index less that of the others, where the sampler spreads each half by itself.
+        difference: vec3,
     }
 
     /// A sample that was not finite: where it was.

@@ -37,7 +37,7 @@ impl Runner {
         seconds_per_sample: f64,
     ) -> Result<Self> {
         let settings =
-            Settings { technique: candidate.technique.clone(), max_depth: candidate.max_depth, ..settings.clone() };
+            Settings { max_depth: candidate.max_depth, ..settings.for_technique(candidate.technique.clone()) };
         let renderer = Renderer::new(gpu, scene, &settings)?;
         Ok(Self { renderer, is_consistent: candidate.is_consistent, seeds, seconds_per_sample })
     }

@@ -20,6 +20,8 @@ pub struct Film {
     pub sums: Vec<[f64; 3]>,
     /// Sum of their squares.
     pub squares: Vec<[f64; 3]>,
+    /// Where the sampler spreads samples evenly: what it leaves of the error, and how that is known.
+    pub halves: Option<Halves>,
     /// Sums by path length (index 0: one segment), where they were asked for.
     pub lengths: Vec<Vec<[f64; 3]>>,
     /// Sums by strategy, where they were asked for.
@@ -32,6 +34,22 @@ pub struct Film {
     /// Where the first of them were.
     pub bad_samples: Vec<BadSample>,
 }
+
+/// The two independent halves of the samples of each pixel: those of even and of odd index. Samples of a half depend on each other, as they are
+/// spread evenly, so their own variance says too much of the error; the halves' difference does not.
+#[derive(Clone, Debug, Default)]
+pub struct Halves {
+    /// Sum of the samples of even index less that of the others, per pixel.
+    pub differences: Vec<[f64; 3]>,
+    /// Variance of a pixel's mean over that of as many independent samples, per tile of [`TILE`] x [`TILE`] pixels, row by row.
+    ratios: Vec<f64>,
+}
+
+/// Width and height in pixels of the tiles over which the ratio of variances is estimated.
+const TILE: u32 = 16;
+
+/// Tiles whose variance few pixels make cannot tell their ratio: it is averaged with 1, which has the weight of so many pixels.
+const INDEPENDENT_PIXELS: f64 = 8.0;
 
 /// The contribution of one strategy of bidirectional path tracing.
 #[derive(Clone, Debug)]
@@ -81,6 +99,7 @@ impl Film {
         pixels: &[FilmPixel],
         layers: &[[f32; 3]],
         layer_count: usize,
+        has_halves: bool,
     ) -> Self {
         let pair = |high: [f32; 3], low: [f32; 3]| {
             std::array::from_fn(|channel| f64::from(high[channel]) + f64::from(low[channel]))
@@ -90,18 +109,61 @@ impl Film {
                 layers.chunks_exact(2 * layer_count).map(|pixel| pair(pixel[2 * layer], pixel[2 * layer + 1])).collect()
             })
             .collect();
-        Self {
+        let mut film = Self {
             width,
             height,
             counts,
             sums: pixels.iter().map(|pixel| pair(pixel.sum, pixel.sum_low)).collect(),
             squares: pixels.iter().map(|pixel| pair(pixel.squares, pixel.squares_low)).collect(),
+            halves: None,
             lengths,
             strategies: Vec::new(),
             brightness: None,
             nonfinite: 0,
             bad_samples: Vec::new(),
+        };
+        if has_halves {
+            film.set_differences(pixels.iter().map(|pixel| pixel.difference.map(f64::from)).collect());
         }
+        film
+    }
+
+    /// Takes the samples' halves over, and estimates tile by tile what the sampler leaves of the variance.
+    fn set_differences(&mut self, differences: Vec<[f64; 3]>) {
+        let tiles = |side: u32| side.div_ceil(TILE);
+        let mut sums = vec![[0.0; 3]; tiles(self.width) as usize * tiles(self.height) as usize];
+        for (pixel, difference) in differences.iter().enumerate() {
+            let independent = self.variance_of_sample(pixel).iter().sum::<f64>() / self.counts[pixel].max(1) as f64;
+            let halves = self.variance_by_halves(pixel, difference).iter().sum::<f64>();
+            let sums = &mut sums[self.tile(pixel)];
+            *sums = [sums[0] + halves, sums[1] + independent, sums[2] + independent * independent];
+        }
+        let ratio = |[halves, independent, squares]: [f64; 3]| {
+            let pixels = if squares > 0.0 { independent * independent / squares } else { 0.0 };
+            let ratio = if independent > 0.0 { halves / independent } else { 1.0 };
+            (pixels * ratio + INDEPENDENT_PIXELS) / (pixels + INDEPENDENT_PIXELS)
+        };
+        self.halves = Some(Halves { differences, ratios: sums.into_iter().map(ratio).collect() });
+    }
+
+    /// The tile that a pixel lies in.
+    fn tile(&self, pixel: usize) -> usize {
+        let (width, tile) = (self.width as usize, TILE as usize);
+        pixel / width / tile * width.div_ceil(tile) + pixel % width / tile
+    }
+
+    /// The variance of a pixel's mean by its two halves alone, per channel: unbiased, with one degree of freedom.
+    fn variance_by_halves(&self, pixel: usize, difference: &[f64; 3]) -> [f64; 3] {
+        let n = self.counts[pixel] as f64;
+        if n < 2.0 {
+            return [0.0; 3];
+        }
+        // Of an odd number, one half has one sample more.
+        let excess = n % 2.0;
+        std::array::from_fn(|channel| {
+            let difference = difference[channel] - excess * self.sums[pixel][channel] / n;
+            difference * difference / (n * n - excess)
+        })
     }
 
     /// Multiplies all samples.
@@ -114,6 +176,8 @@ impl Film {
         let strategies = strategies.flat_map(|layers| layers.unweighted.iter_mut().chain(&mut layers.weighted));
         self.sums.iter_mut().chain(layers).chain(strategies).flatten().for_each(|sum| *sum *= factor);
         self.squares.iter_mut().flatten().for_each(|square| *square *= factor * factor);
+        let differences = self.halves.iter_mut().flat_map(|halves| &mut halves.differences);
+        differences.flatten().for_each(|difference| *difference *= factor);
     }
 
     fn per_pixel(&self, value: impl Fn(usize) -> [f64; 3]) -> Image {
@@ -142,13 +206,8 @@ impl Film {
         self.per_pixel(|pixel| sums[pixel].map(|sum| sum / self.counts[pixel].max(1) as f64))
     }
 
-    /// The unbiased estimate of the variance of one sample, per pixel and channel; 0 below two samples.
-    pub fn sample_variance(&self) -> Image {
-        self.per_pixel(|pixel| self.variance_of_sample(pixel))
-    }
-
-    /// The unbiased estimate of the variance of one sample of a pixel, per channel; 0 below two samples.
-    pub(crate) fn variance_of_sample(&self, pixel: usize) -> [f64; 3] {
+    /// The unbiased estimate of the variance of one sample of a pixel by itself, per channel; 0 below two samples.
+    fn variance_of_sample(&self, pixel: usize) -> [f64; 3] {
         let n = self.counts[pixel] as f64;
         std::array::from_fn(|channel| {
             let (sum, squares) = (self.sums[pixel][channel], self.squares[pixel][channel]);
@@ -156,16 +215,22 @@ impl Film {
         })
     }
 
-    /// The variance of each pixel's mean: that of one sample over their number.
-    pub fn mean_variance(&self) -> Image {
-        let variance = self.sample_variance();
-        self.per_pixel(|pixel| {
-            variance.pixels[pixel].map(|channel| f64::from(channel) / self.counts[pixel].max(1) as f64)
-        })
+    /// The variance of a pixel's mean, per channel; 0 below two samples. That of independent samples is theirs over their number. Where the
+    /// sampler spreads them evenly, that is multiplied by what their halves say of it in the pixel's surroundings, or by somewhat more:
+    /// the halves of one pixel alone would tell with one degree of freedom.
+    pub fn variance_of_mean(&self, pixel: usize) -> [f64; 3] {
+        let ratio = self.halves.as_ref().map_or(1.0, |halves| halves.ratios[self.tile(pixel)]);
+        let n = self.counts[pixel].max(1) as f64;
+        self.variance_of_sample(pixel).map(|variance| ratio * variance / n)
     }
 
-    /// The relMSE that the variance of the samples lets expect: the mean over pixels and channels of the mean's variance over
-    /// (mean² + 0.01). Nothing below two samples, where the variance is unknown, and where samples are correlated. A pixel's mean is large
+    /// The variance of each pixel's mean: [`Self::variance_of_mean`] as an image.
+    pub fn mean_variance(&self) -> Image {
+        self.per_pixel(|pixel| self.variance_of_mean(pixel))
+    }
+
+    /// The relMSE that the variance of the samples, or of their halves, lets expect: the mean over pixels and channels of the mean's variance
+    /// over (mean² + 0.01). Nothing below two samples, where the variance is unknown, and where samples are correlated. A pixel's mean is large
     /// where its variance is, by the same bright samples, so the estimate is low by a share that falls with the number of samples: in the
     /// Cornell box 26 % at 16, 3 % at 128. (Means of neighbours in its place were 13 % low, medians and means of similar neighbours 55 %
     /// high.)
@@ -173,12 +238,15 @@ impl Film {
         if self.spp() < 2 || self.brightness.is_some() {
             return None;
         }
-        let (mean, variance) = (self.mean(), self.mean_variance());
-        let pixel = |(mean, variance): (&[f32; 3], &[f32; 3])| {
-            let channels = mean.iter().zip(variance);
-            channels.map(|(m, v)| f64::from(*v) / (f64::from(*m).powi(2) + RELATIVE_FLOOR)).sum::<f64>() / 3.0
+        let variance = |pixel| match &self.halves {
+            Some(halves) => self.variance_by_halves(pixel, &halves.differences[pixel]),
+            None => self.variance_of_mean(pixel),
         };
-        let mut errors: Vec<f64> = mean.pixels.iter().zip(&variance.pixels).map(pixel).collect();
+        let error = |(pixel, mean): (usize, &[f32; 3])| {
+            let channels = mean.iter().zip(variance(pixel));
+            channels.map(|(m, v)| v / (f64::from(*m).powi(2) + RELATIVE_FLOOR)).sum::<f64>() / 3.0
+        };
+        let mut errors: Vec<f64> = self.mean().pixels.iter().enumerate().map(error).collect();
         let sum: f64 = errors.iter().sum();
         let worst_share = worst_share(&mut errors);
         Some(ErrorEstimate { relmse: sum / errors.len().max(1) as f64, worst_share })
@@ -192,5 +260,61 @@ impl Film {
     /// The average over all pixels, per channel.
     pub fn average(&self) -> [f64; 3] {
         self.mean().average()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::random::Normal;
+
+    /// A film of as many samples in each pixel, given one after the other.
+    fn film(side: u32, spp: u64, mut sample: impl FnMut(usize, u64) -> f64) -> Film {
+        let pixels: Vec<Vec<f64>> =
+            (0..(side * side) as usize).map(|pixel| (0..spp).map(|index| sample(pixel, index)).collect()).collect();
+        let sums = |value: &dyn Fn(&[f64]) -> f64| pixels.iter().map(|pixel| [value(pixel); 3]).collect::<Vec<_>>();
+        let mut film = Film {
+            width: side,
+            height: side,
+            counts: vec![spp; pixels.len()],
+            sums: sums(&|all| all.iter().sum()),
+            squares: sums(&|all| all.iter().map(|x| x * x).sum()),
+            ..Film::default()
+        };
+        film.set_differences(sums(&|all| all.iter().zip([1.0, -1.0].iter().cycle()).map(|(x, sign)| x * sign).sum()));
+        film
+    }
+
+    fn mean_variance(film: &Film) -> f64 {
+        film.mean_variance().average()[0]
+    }
+
+    /// Independent numbers: the halves say what the samples say, of even and of odd numbers of samples.
+    #[test]
+    fn halves_of_independent_samples_tell_their_variance() {
+        let mut random = Normal::new(3);
+        for spp in [2, 3, 8, 9] {
+            let film = film(128, spp, |_, _| 5.0 + random.uniform());
+            let expected = 1.0 / 12.0 / spp as f64;
+            let found = mean_variance(&film) / expected;
+            assert!((found - 1.0).abs() < 0.03, "{spp} samples: {found}");
+            let halves = film.error_estimate().unwrap().relmse * (5.5f64.powi(2) + RELATIVE_FLOOR) / expected;
+            assert!((halves - 1.0).abs() < 0.05, "{spp} samples, by the halves alone: {halves}");
+        }
+    }
+
+    /// Each half is one jittered stratum per sample: their mean has 1 / m^2 of the variance of m independent ones.
+    #[test]
+    fn halves_of_spread_samples_tell_what_is_left() {
+        const SPP: u64 = 16;
+        let mut random = Normal::new(4);
+        let film = film(128, SPP, |_, index| 5.0 + ((index / 2) as f64 + random.uniform()) / (SPP / 2) as f64);
+        let left = 1.0 / 12.0 / SPP as f64 / ((SPP / 2) as f64).powi(2);
+        let stated = film.error_estimate().unwrap().relmse * (5.5f64.powi(2) + RELATIVE_FLOOR);
+        assert!((stated / left - 1.0).abs() < 0.05, "{stated} of {left}");
+        // Tiles of 256 pixels, each with the weight of 8 more of independent samples.
+        let independent = 1.0 / 12.0 / SPP as f64;
+        let expected = (256.0 * left + INDEPENDENT_PIXELS * independent) / (256.0 + INDEPENDENT_PIXELS);
+        assert!((mean_variance(&film) / expected - 1.0).abs() < 0.05, "{} of {expected}", mean_variance(&film));
     }
 }

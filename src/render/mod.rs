@@ -32,7 +32,7 @@ use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGR
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::techniques::{
-    Context, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, Trial, nothing, stages,
+    Context, MergeSchedule, Over, Pass, Sampler, StateReport, StateStream, TechniqueState, Trial, nothing, stages,
 };
 pub use crate::techniques::{Settings, Technique};
 pub use device_scene::DeviceScene;
@@ -313,7 +313,8 @@ impl Renderer {
         let sums: Vec<FilmPixel> = self.film.read(pixels)?;
         let layer_count = self.settings.layers() as usize;
         let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
-        let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count);
+        let has_halves = self.settings.sampler == Sampler::Sobol;
+        let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count, has_halves);
         if let Some(strategies) = self.settings.strategies {
             let mut layers = std::mem::take(&mut film.lengths).into_iter();
             for strategy in strategies.all() {

@@ -1,7 +1,7 @@
 //! What to render with.
 
 use super::bidirectional::{LONGEST, Strategies};
-use super::sampler::{SAMPLERS, Sampler};
+use super::sampler::Sampler;
 use super::table::TECHNIQUES;
 use super::technique::Technique;
 use crate::bvh::CHUNK;
@@ -71,6 +71,7 @@ impl Settings {
     pub fn new(scene: &Scene, technique: Technique, backend: Backend) -> Self {
         Self {
             rr_depth: scene.technique.rr_depth.unwrap_or(technique.row.rr_depth),
+            sampler: technique.row.samplers()[0].sampler,
             technique,
             backend,
             width: scene.film.width,
@@ -78,7 +79,6 @@ impl Settings {
             filter: scene.film.filter,
             camera: None,
             max_depth: scene.technique.max_depth.unwrap_or(None),
-            sampler: SAMPLERS[0].sampler,
             seed: 0,
             lengths: 0,
             strategies: None,
@@ -89,6 +89,11 @@ impl Settings {
             expected_samples: u64::MAX,
             chunk: CHUNK,
         }
+    }
+
+    /// The same settings for another technique, which draws its numbers as it does by default.
+    pub fn for_technique(&self, technique: Technique) -> Self {
+        Self { sampler: technique.row.samplers()[0].sampler, technique, ..self.clone() }
     }
 
     /// Looks through the camera of that name or number, or the first one: with the image that the scene's file asks for through it.

@@ -20,9 +20,9 @@ pub fn tile_average(film: &Film, columns: Range<u32>, rows: Range<u32>) -> [Esti
         for x in columns.clone() {
             let pixel = (y * film.width + x) as usize;
             let n = film.counts[pixel].max(1) as f64;
-            for ((total, sum), variance) in sums.iter_mut().zip(film.sums[pixel]).zip(film.variance_of_sample(pixel)) {
+            for ((total, sum), variance) in sums.iter_mut().zip(film.sums[pixel]).zip(film.variance_of_mean(pixel)) {
                 total.mean += sum / n / count;
-                total.variance += variance / n / (count * count);
+                total.variance += variance / (count * count);
             }
         }
     }

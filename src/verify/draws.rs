@@ -35,6 +35,7 @@ pub(super) fn random_numbers(run: &mut Run) -> Result<()> {
         ("the next pixel", moved(|q| q.pixel += 1)),
         ("the pixel below", moved(|q| q.pixel += 1920)),
         ("the next sample", moved(|q| q.sample_index += 1)),
+        ("the next sample of its half", moved(|q| q.sample_index += 2)),
         ("the next dimensions", moved(|q| q.dimension += 1)),
         ("dimensions far on", moved(|q| q.dimension += 100_000)),
         ("another seed", moved(|q| q.seed = 2)),
@@ -65,7 +66,7 @@ pub(super) fn random_numbers(run: &mut Run) -> Result<()> {
             }
         }
         for (name, queries) in &neighbours {
-            if row.sampler == Sampler::Sobol && *name == "the next sample" {
+            if row.sampler == Sampler::Sobol && *name == "the next sample of its half" {
                 continue; // it is meant to lie elsewhere than the last one
             }
             for (index, values) in columns(queries)?.iter().enumerate() {

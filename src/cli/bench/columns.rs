@@ -26,7 +26,7 @@ const ABLATIONS: [(&str, Ablation); 4] = [
     ("no-specialise", Ablation::NoSpecialise),
     ("lights=power", Ablation::Lights(LightSelection::Power)),
     ("lights=tree", Ablation::Lights(LightSelection::Tree)),
-    ("sampler=sobol", Ablation::Sampler(Sampler::Sobol)),
+    ("sampler=independent", Ablation::Sampler(Sampler::Independent)),
 ];
 
 pub(super) fn parse_ablations(names: &[String]) -> Result<Vec<(&'static str, Ablation)>> {
@@ -81,10 +81,9 @@ impl Column {
     ) -> Result<Variant> {
         let row = self.technique.row;
         let mut settings = Settings {
-            technique: self.technique.clone(),
             backend: self.backend,
             rr_depth: entry.scene.technique.rr_depth.unwrap_or(row.rr_depth),
-            ..entry.settings.clone()
+            ..entry.settings.for_technique(self.technique.clone())
         };
         let mut options = Vec::new();
         let mut scene = None;

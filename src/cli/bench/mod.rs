@@ -50,7 +50,7 @@ pub(super) struct BenchArgs {
     backend: Vec<String>,
 
     /// Ablations, separated by commas: each technique and backend once more with it. no-specialise, lights=power, lights=tree,
-    /// sampler=sobol
+    /// sampler=independent
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     ablate: Vec<String>,
 

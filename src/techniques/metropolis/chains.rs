@@ -13,7 +13,7 @@
 use std::time::Duration;
 
 use super::super::pace::Pace;
-use super::super::sampler::SAMPLERS;
+use super::super::sampler::Sampler;
 use super::super::settings::Settings;
 use super::super::splat_planes::SplatPlanes;
 use super::super::state::{Context, FilmScale, FrameLimits, Job, StateBytes, StateKind, TechniqueState};
@@ -157,12 +157,13 @@ pub(in super::super) struct MarkovChains;
 
 impl StateKind for MarkovChains {
     fn check(&self, _: &Gpu, settings: &Settings) -> Result<()> {
-        if settings.sampler == SAMPLERS[0].sampler {
+        if settings.technique.row.samplers().iter().any(|row| row.sampler == settings.sampler) {
             return Ok(());
         }
         Err(Error::Usage(format!(
             "random numbers of {} are its chains' own: valid is --sampler {}",
-            settings.technique.row.name, SAMPLERS[0].name
+            settings.technique.row.name,
+            Sampler::Independent.name()
         )))
     }
 
