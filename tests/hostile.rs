@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use base64::Engine;
+
 use crate::common::alone::alone;
 use crate::common::hostile::{Folder, Format, check_file};
 use crate::common::mutation::{self, Mutator};
@@ -248,7 +250,38 @@ fn many_elements_take_their_share_of_time() {
         let start = Instant::now();
         assert!(check_file(&path, &path).unwrap_err().contains("scene.xml:3"));
         assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+        // A statement of a million lines, which took minutes where each line was searched from its beginning.
+        let path = folder.path().join("scene.obj");
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        std::fs::write(&path, format!("{triangle}call {}\n", "1 \\\n".repeat(1_000_000))).unwrap();
+        let start = Instant::now();
+        assert_eq!(check_file(&path, &path).unwrap().primitives.len(), 1);
+        assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+        // An image of 16 MiB of text, and a thousand materials of it, of which each decoded it again.
+        let path = folder.path().join("scene.gltf");
+        let image = image_with_bytes_behind(12 << 20);
+        let count = 1000;
+        let list = |one: &dyn Fn(usize) -> String| (0..count).map(one).collect::<Vec<_>>().join(",");
+        let text = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "images": [{{"uri": "{image}"}}], "textures": [{{"source": 0}}],
+            "materials": [{}], "meshes": [{{"primitives": [{}]}}], "nodes": [{{"mesh": 0}}],
+            "accessors": [{{"componentType": 5126, "type": "VEC3", "count": 3}}]}}"#,
+            list(&|_| String::from(r#"{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}"#)),
+            list(&|index| format!(r#"{{"attributes": {{"POSITION": 0}}, "material": {index}}}"#)),
+        );
+        std::fs::write(&path, text).unwrap();
+        let start = Instant::now();
+        let scene = check_file(&path, &path).unwrap();
+        assert_eq!((scene.images.len(), scene.textures.len()), (1, count));
+        assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
     });
+}
+
+/// The data URI of a PNG image of one texel, with so many bytes behind its end.
+fn image_with_bytes_behind(bytes: usize) -> String {
+    let mut png = crate::common::gltf::png(1, 1, &[[200, 100, 50, 255]]);
+    png.resize(png.len() + bytes, 0);
+    format!("data:image/png;base64,{}", base64::engine::general_purpose::STANDARD.encode(png))
 }
 
 /// Folders, devices and pipes are no files: opened as such some of them would never end.

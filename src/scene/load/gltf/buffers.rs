@@ -40,7 +40,9 @@ impl Buffers {
             let element = format!("buffers[{index}]");
             let place = match &buffer.uri {
                 Some(uri) => match resolve(folder, uri).map_err(|message| document.wrong(&element, message))? {
-                    Resource::Data(bytes) => all.push(bytes),
+                    Resource::Data(encoded) => {
+                        all.push(encoded.decode().map_err(|message| document.wrong(&element, message))?)
+                    }
                     Resource::File(path) => match files.get(&path) {
                         Some(place) => *place,
                         None => {

@@ -50,7 +50,8 @@ pub(super) fn load(document: &Document, scene: &SceneEntry, builder: &mut SceneB
     let folder = document.path.parent().unwrap_or(Path::new(""));
     let image = match resolve(folder, &environment.uri).map_err(|message| document.wrong(&element, message))? {
         Resource::File(path) => decode_texture(&read_bytes(&path, FILE_BYTES)?, &path, Encoding::Srgb)?,
-        Resource::Data(bytes) => {
+        Resource::Data(encoded) => {
+            let bytes = encoded.decode().map_err(|message| document.wrong(&element, message))?;
             let inside = format!("{}: {element}", document.path.display());
             decode_texture(&bytes, Path::new(&inside), Encoding::Srgb)?
         }

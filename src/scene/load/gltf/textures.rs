@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::buffers::Buffers;
 use super::document::Document;
-use super::uri::{Resource, resolve};
+use super::uri::{Encoded, Resource, resolve};
 use crate::error::Result;
 use crate::files::{FILE_BYTES, read_bytes};
 use crate::image::{Encoding, decode_texture};
@@ -155,12 +155,12 @@ impl<'a> Textures<'a> {
         let image = document.get(&document.images, "images", index, element)?;
         let name = format!("images[{index}]");
         let folder = document.path.parent().unwrap_or(Path::new(""));
-        let mut data = Vec::new();
+        let mut inside_uri = None;
         let place = match (&image.uri, image.buffer_view) {
             (Some(uri), None) => match resolve(folder, uri).map_err(|message| document.wrong(&name, message))? {
                 Resource::File(path) => Bytes::File(path),
-                Resource::Data(bytes) => {
-                    data = bytes;
+                Resource::Data(encoded) => {
+                    inside_uri = Some(encoded);
                     Bytes::Inside(index)
                 }
             },
@@ -174,7 +174,10 @@ impl<'a> Textures<'a> {
         let texels = match &place {
             Bytes::File(path) => decode_texture(&read_bytes(path, FILE_BYTES)?, path, encoding)?,
             Bytes::View(view) => decode_texture(self.buffers.view(document, *view, &name)?.bytes, &inside, encoding)?,
-            Bytes::Inside(_) => decode_texture(&data, &inside, encoding)?,
+            Bytes::Inside(_) => {
+                let bytes = inside_uri.map_or(Ok(Vec::new()), Encoded::decode);
+                decode_texture(&bytes.map_err(|message| document.wrong(&name, message))?, &inside, encoding)?
+            }
         };
         let has_alpha = texels.texels.has_alpha();
         let image = Image { index: builder.image(texels), has_alpha };

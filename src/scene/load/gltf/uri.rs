@@ -11,11 +11,21 @@ use super::document::shown;
 
 /// What a URI stands for.
 #[derive(Debug)]
-pub(super) enum Resource {
-    /// The bytes that it holds.
-    Data(Vec<u8>),
+pub(super) enum Resource<'a> {
+    /// The bytes that it holds, still encoded.
+    Data(Encoded<'a>),
     /// A file.
     File(PathBuf),
+}
+
+/// The bytes of a data URI (RFC 2397), without its scheme.
+#[derive(Clone, Copy)]
+pub(super) struct Encoded<'a>(&'a str);
+
+impl std::fmt::Debug for Encoded<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} characters", self.0.len())
+    }
 }
 
 /// Some writers leave the padding out.
@@ -26,9 +36,9 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// Resolves a URI of a file in this folder; the message says what is wrong with it. Files are found in the folder and below
 /// it only: a scene from elsewhere must not make its reader open what it likes.
-pub(super) fn resolve(folder: &Path, uri: &str) -> Result<Resource, String> {
+pub(super) fn resolve<'a>(folder: &Path, uri: &'a str) -> Result<Resource<'a>, String> {
     if let Some(rest) = uri.strip_prefix("data:") {
-        return data(rest).map(Resource::Data);
+        return Ok(Resource::Data(Encoded(rest)));
     }
     let scheme = uri.find(':').filter(|end| !uri[..*end].contains(['/', '\\', '?', '#']));
     if scheme.is_some() {
@@ -65,14 +75,16 @@ pub(super) fn resolve(folder: &Path, uri: &str) -> Result<Resource, String> {
     Ok(Resource::File(file))
 }
 
-/// The bytes of a data URI (RFC 2397), without its scheme.
-fn data(rest: &str) -> Result<Vec<u8>, String> {
-    let (media, data) = rest.split_once(',').ok_or("the data URI has no comma")?;
-    let bytes: Vec<u8> = percent_decode_str(data).collect();
-    if !media.ends_with(";base64") {
-        return Ok(bytes);
+impl Encoded<'_> {
+    /// Decodes them, which takes its time where they are many: to be done once for each buffer or image. The message says what is wrong.
+    pub fn decode(self) -> Result<Vec<u8>, String> {
+        let (media, data) = self.0.split_once(',').ok_or("the data URI has no comma")?;
+        let bytes: Vec<u8> = percent_decode_str(data).collect();
+        if !media.ends_with(";base64") {
+            return Ok(bytes);
+        }
+        BASE64.decode(bytes).map_err(|error| format!("the data URI is not valid base64: {error}"))
     }
-    BASE64.decode(bytes).map_err(|error| format!("the data URI is not valid base64: {error}"))
 }
 
 #[cfg(test)]
@@ -117,7 +129,7 @@ mod tests {
     #[test]
     fn data_is_decoded() {
         let data = |uri: &str| match resolve(Path::new(""), uri) {
-            Ok(Resource::Data(bytes)) => Some(bytes),
+            Ok(Resource::Data(encoded)) => encoded.decode().ok(),
             _ => None,
         };
         assert_eq!(data("data:application/octet-stream;base64,AAEC/w==").unwrap(), [0, 1, 2, 255]);

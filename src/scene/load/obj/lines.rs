@@ -38,9 +38,12 @@ impl Lines {
             return Ok(false);
         }
         self.number = self.read;
-        while line.last() == Some(&b'\\') && !line.contains(&b'#') {
+        // So much of the line has no comment: each part is searched once, however many there are.
+        let mut searched = 0;
+        while line.last() == Some(&b'\\') && !line[searched..].contains(&b'#') {
             line.pop();
             line.push(b' ');
+            searched = line.len();
             if !self.append(line)? {
                 break;
             }
