@@ -152,7 +152,7 @@ vec4 texture_value(Texture t, TexturePlace place, float side) {
 
 // The channel that a scalar texture means.
 float texture_channel(Texture t, vec4 value) {
-    return t.channel < 4u ? value[t.channel] : dot(value.rgb, vec3(0.2126, 0.7152, 0.0722));
+    return t.channel < 4u ? value[t.channel] : dot(value.rgb, LUMINANCE);
 }
 
 // Four values, or one, at texture coordinates of the surface; what is not textured is 1.

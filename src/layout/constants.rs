@@ -151,3 +151,6 @@ shared_constants! {
     /// Bytes of a 64-bit fixed-point sum for each colour channel, as splats and the power that patches shoot have it.
     pub const FIXED_RGB_BYTES = 3 * size_of::<i64>() as u32;
 }
+
+/// The weights of linear sRGB's channels in its luminance (ITU-R BT.709).
+pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];

@@ -82,6 +82,8 @@ pub fn glsl(of_techniques: &[&'static SharedStruct]) -> String {
         kinds.iter().enumerate().for_each(|(value, name)| text += &format!("const uint {name} = {value}u;\n"));
     }
     text += &format!("const float NARROW_ALPHA = {NARROW_ALPHA:?};\n");
+    let [red, green, blue] = LUMINANCE;
+    text += &format!("const vec3 LUMINANCE = vec3({red:?}, {green:?}, {blue:?});\n");
     for shared in structs().chain(of_techniques.iter().copied()) {
         text += &format!("const uint {}_BYTES = {}u;\n", upper_case(shared.name), shared.size);
     }

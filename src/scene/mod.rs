@@ -9,6 +9,7 @@ mod description;
 mod diffuse;
 mod fingerprint;
 pub mod load;
+mod luminance;
 mod medium;
 pub mod needs;
 mod objects;

@@ -10,12 +10,8 @@ use crate::layout::{
 };
 use crate::scene::SceneBuilder;
 use crate::scene::light::{Falloff, Lamp};
+use crate::scene::luminance::luminance;
 use crate::scene::texture::Pattern;
-
-/// Relative luminance of a linear sRGB colour (ITU-R BT.709).
-pub fn luminance(rgb: [f64; 3]) -> f64 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
-}
 
 /// A weight that is positive wherever any channel is: a blue light must be found too.
 pub(crate) fn importance(rgb: [f64; 3]) -> f64 {
