@@ -656,3 +656,29 @@ fn environments_show_what_lies_in_a_direction() {
         assert!(worst < 3e-4, "off by {worst:.1e}");
     });
 }
+
+/// Of emitting triangles that lie on each other one stays, and one that is dropped takes neither of its sides from others.
+#[test]
+fn lights_on_each_other_are_one() {
+    let [a, b, c] = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let lights = |shapes: &[([DVec3; 3], bool)]| {
+        let mut builder = SceneBuilder::new("lights");
+        for (positions, emits_behind) in shapes {
+            let emission = [1.0; 3];
+            let surface =
+                builder.surface(SurfaceDescription { emission, emits_behind: *emits_behind, ..Default::default() });
+            let mesh = Mesh { positions: positions.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+            builder.mesh(0, "light", mesh, DAffine3::IDENTITY, surface);
+        }
+        let scene = builder.finish().unwrap();
+        (scene.primitives.len(), scene.lights.len())
+    };
+    let (front, back) = ([a, b, c], [b, a, c]);
+    assert_eq!(lights(&[(front, false), ([b, c, a], false)]), (1, 1));
+    assert_eq!(lights(&[(front, false), (back, false)]), (2, 2));
+    assert_eq!(lights(&[(front, true), (back, true)]), (1, 2));
+    // The back of the second lies on the first; the third is the second's front, which nobody has.
+    assert_eq!(lights(&[(back, false), (front, true), (front, false)]), (2, 2));
+    // The front of the second lies on the first; the third is the second's back.
+    assert_eq!(lights(&[(front, false), (front, true), (back, false)]), (2, 2));
+}

@@ -366,12 +366,14 @@ impl Flat {
             // Of lights that lie on each other a ray sees one: what is sampled from the others would be light that is not there.
             let behind = self.surfaces[surface].flags & SURFACE_EMITS_BEHIND != 0;
             if emits {
-                let is_new = self.emitting.insert(same_triangle([v0, v1, v2]));
-                let is_new_behind = !behind || self.emitting.insert(same_triangle([v0, v2, v1]));
-                if !(is_new && is_new_behind) {
+                let sides = [Some([v0, v1, v2]), behind.then_some([v0, v2, v1])];
+                let sides = sides.into_iter().flatten().map(same_triangle);
+                // One that is dropped leaves its place to others.
+                if sides.clone().any(|side| self.emitting.contains(&side)) {
                     self.repeated += 1;
                     continue;
                 }
+                self.emitting.extend(sides);
             }
             self.primitives.push(Primitive {
                 v0: v0.into(),
