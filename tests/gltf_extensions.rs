@@ -41,10 +41,16 @@ fn has_corner(scene: &Scene, corner: [f32; 3]) {
     assert!(corners.iter().any(|found| found.distance(Vec3::from(corner)) < 1e-5), "{corner:?} is not in {corners:?}");
 }
 
-/// An unlit file with a square of this material and these vertex colours.
+/// An unlit file with a square of this material and this alpha of the colours of all its vertices.
 fn coloured(material: Value, alpha: f32) -> Gltf {
+    with_alphas(material, [alpha; 4])
+}
+
+/// An unlit file with a square of this material and these alphas of the colours of its vertices.
+fn with_alphas(material: Value, alphas: [f32; 4]) -> Gltf {
     let mut file = Gltf::new();
-    let colours = file.accessor(&floats(&[1.0, 1.0, 1.0, alpha].repeat(4)), F32, "VEC4", 4, json!({}));
+    let colours: Vec<f32> = alphas.into_iter().flat_map(|alpha| [1.0, 1.0, 1.0, alpha]).collect();
+    let colours = file.accessor(&floats(&colours), F32, "VEC4", 4, json!({}));
     let mesh = file.square(with(matte([0.0; 3]), material), json!({"attributes": {"COLOR_0": colours}}));
     file.node(json!({"mesh": mesh}));
     file
@@ -74,13 +80,14 @@ fn vertices_have_an_alpha() {
     }
     // A light emits no more than it stops: its next-event estimation must agree with its emission.
     let lamp = json!({"alphaMode": "BLEND", "emissiveFactor": [1, 1, 1], "doubleSided": true});
-    let mut file = coloured(lamp, 0.5);
+    let mut file = with_alphas(lamp, [0.9, 0.1, 0.3, 0.7]);
     file.json["nodes"][1]["translation"] = json!([0, 0, 7]);
     let wall = file.square(matte([0.8; 3]), json!({}));
     file.node(json!({"mesh": wall, "scale": [1.5, 1.5, 1]}));
     let scene = file.load();
     let (path, implicit) = (film(&scene, "path", 256), film(&scene, "path-implicit", 4096));
-    assert_same_mean("light of half opacity", &path, &implicit, 16);
+    assert!(scene.uvs.iter().all(|uv| *uv == [0.0; 2]), "no texture asks for coordinates");
+    assert_same_mean("light of an opacity at its vertices", &path, &implicit, 16);
 }
 
 /// A double-sided material emits from both sides; from behind a single-sided one is black.

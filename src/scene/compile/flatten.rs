@@ -201,8 +201,9 @@ impl Flat {
         Ok(Group { name: group.name, triangles: first..middle, spheres: middle..self.primitives.len() as u32 })
     }
 
-    /// Takes in the vertex attributes of a mesh; the bits of [`Primitive::surface`] that say which there are.
-    fn add_attributes(&mut self, mesh: &Mesh, to_local: DAffine3) -> Result<u32, String> {
+    /// Takes in the vertex attributes of a mesh; the bits of [`Primitive::surface`] that say which there are. A light knows its vertices by their
+    /// texture coordinates: one whose surface looks at others of their attributes has such coordinates, be they 0.
+    fn add_attributes(&mut self, mesh: &Mesh, to_local: DAffine3, surface: usize, emits: bool) -> Result<u32, String> {
         let count = mesh.positions.len();
         for (what, given) in [
             ("normals", mesh.normals.len()),
@@ -232,10 +233,12 @@ impl Flat {
             let turned = |normal: &Vec3| (for_normals * normal.as_dvec3()).normalize_or_zero().as_vec3().to_array();
             self.normals.extend(mesh.normals.iter().map(turned));
         }
-        if !mesh.uvs.is_empty() {
+        let has_alpha = self.surfaces[surface].flags & SURFACE_HAS_ALPHA_COLOURS != 0 && !mesh.colours.is_empty();
+        if !mesh.uvs.is_empty() || emits && (has_alpha || !mesh.second_uvs.is_empty()) {
             flags |= UV_BIT;
             self.uvs.resize(base, [0.0; 2]);
             self.uvs.extend(mesh.uvs.iter().map(|uv| uv.to_array()));
+            self.uvs.resize(base + count, [0.0; 2]);
         }
         if !mesh.second_uvs.is_empty() {
             self.second_uvs.resize(base, [0.0; 2]);
@@ -325,7 +328,7 @@ impl Flat {
                 "its material shows the mesh attribute '{name}', which it does not have; {own}"
             )));
         }
-        let flags = self.add_attributes(mesh, to_local).map_err(wrong)?;
+        let flags = self.add_attributes(mesh, to_local, surface, emits).map_err(wrong)?;
         let smooth = flags & SMOOTH_BIT;
         let has_attributes = self.vertices as u32 > first_normal;
         self.triangles_seen += mesh.triangles.len();

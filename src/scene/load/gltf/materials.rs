@@ -479,7 +479,6 @@ impl Reader<'_, '_> {
                 self.textured[1].then_some(self.uv_sets[1]),
             ],
             opacity: varying.is_some(),
-            emits,
             ..Wanted::default()
         };
         Loaded { surface, emits, wanted, material, varying }

@@ -31,8 +31,6 @@ pub(super) struct Wanted {
     pub colours: bool,
     /// The alpha of vertex colours.
     pub opacity: bool,
-    /// Light: what its vertices let through, it does not emit.
-    pub emits: bool,
 }
 
 /// Reads primitives.
@@ -135,10 +133,6 @@ impl<'a> Primitives<'a> {
             same(&name, colours.len())?;
             let counted = |[r, g, b, a]: [f32; 4]| Vec4::new(r, g, b, if wanted.opacity { a } else { 1.0 });
             mesh.colours = colours.into_iter().map(|colour| counted(colour).clamp(Vec4::ZERO, Vec4::ONE)).collect();
-            // A light looks its vertices up together with texture coordinates.
-            if wanted.opacity && wanted.emits && mesh.uvs.is_empty() {
-                mesh.uvs = vec![Vec2::ZERO; positions.len()];
-            }
         }
         mesh.positions = positions.into_iter().map(|position| Vec3::from(position).as_dvec3()).collect::<Vec<DVec3>>();
         if wanted.tangents.is_some() {
