@@ -213,6 +213,46 @@ pub fn one_of<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
     join(names, "or")
 }
 
+/// Names that [`some_of`] lists at most.
+const SOME: usize = 4;
+/// More names than this are counted and not looked through for those that are alike.
+const COMPARED: usize = 1 << 11;
+
+/// "a, b and c", for messages about a name that is not among those that there are: all of a few, else their number and the few that are
+/// most like it. `what` says what they are: "ids".
+pub(crate) fn some_of<'a>(names: impl IntoIterator<Item = &'a str>, what: &str, wanted: &str) -> String {
+    let names = names.into_iter();
+    if names.size_hint().0 > COMPARED {
+        return format!("{} {what}", names.count());
+    }
+    let mut names: Vec<&str> = names.collect();
+    names.sort_unstable();
+    match names.len() {
+        0 => String::from("none"),
+        1..=SOME => all_of(names),
+        count => {
+            names.sort_by_cached_key(|name| difference(name, wanted));
+            format!("{count} {what}, such as {}", all_of(&names[..SOME]))
+        }
+    }
+}
+
+/// The least number of letters to change, add or take away that makes one name of another (Levenshtein), whatever their case, by their first
+/// letters.
+fn difference(a: &str, b: &str) -> usize {
+    let letters = |text: &str| -> Vec<char> { text.chars().take(32).map(|c| c.to_ascii_lowercase()).collect() };
+    let (a, b) = (letters(a), letters(b));
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.iter().enumerate() {
+            let least = (diagonal + usize::from(x != y)).min(row[j] + 1).min(row[j + 1] + 1);
+            diagonal = std::mem::replace(&mut row[j + 1], least);
+        }
+    }
+    row[b.len()]
+}
+
 fn join<S: AsRef<str>>(names: impl IntoIterator<Item = S>, word: &str) -> String {
     let names: Vec<String> = names.into_iter().map(|name| name.as_ref().to_owned()).collect();
     match names.split_last() {
@@ -225,6 +265,18 @@ fn join<S: AsRef<str>>(names: impl IntoIterator<Item = S>, word: &str) -> String
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_many_names_the_nearest_are_listed() {
+        assert_eq!(some_of([], "ids", "a"), "none");
+        assert_eq!(some_of(["b", "a"], "ids", "c"), "a and b");
+        let many: Vec<String> = (0..900).map(|index| format!("shape{index:03}")).collect();
+        let of = |wanted: &str| some_of(many.iter().map(String::as_str), "ids", wanted);
+        assert_eq!(of("Shape12"), "900 ids, such as shape012, shape102, shape112 and shape120");
+        assert_eq!(difference("kitten", "Sitting"), 3);
+        assert_eq!((difference("", "abc"), difference("abc", ""), difference("abc", "abc")), (3, 3, 0));
+        assert_eq!(some_of([""; COMPARED + 1], "ids", "shape1"), "2049 ids");
+    }
 
     #[test]
     fn messages_are_one_short_line() {

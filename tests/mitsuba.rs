@@ -183,3 +183,30 @@ fn shared_parts_do_not_multiply() {
     let attribute = r#"<bsdf type="diffuse"><texture name="reflectance" type="mesh_attribute"><string name="name" value="vertex_c"/></texture></bsdf>"#;
     assert!(of(&format!(r#"{attribute}{blends}<shape type="sphere"><ref id="b59"/></shape>"#)).is_ok());
 }
+
+/// Of many names that a file gives, a message about another one lists the few that are most like it.
+#[test]
+fn unknown_names_are_told_the_nearest() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.xml");
+    let refused = |body: &str, defines: Vec<(String, String)>| {
+        std::fs::write(&path, format!(r#"<scene version="3.0.0">{body}</scene>"#)).unwrap();
+        let options = LoadOptions { defines, ..LoadOptions::default() };
+        lumbre::scene::load(&path, &options).unwrap_err().to_string()
+    };
+    let paints: String = (0..500).map(|index| format!(r#"<bsdf type="diffuse" id="paint{index}"/>"#)).collect();
+    let message = refused(&format!(r#"{paints}<shape type="sphere"><ref id="pint77"/></shape>"#), vec![]);
+    assert!(
+        message.ends_with("unknown id 'pint77'; the scene has 500 ids, such as paint77, paint17, paint177 and paint27"),
+        "{message}"
+    );
+    let message = refused(r#"<bsdf type="diffuse" id="a"/><shape type="sphere"><ref id="b"/></shape>"#, vec![]);
+    assert!(message.ends_with("the scene has a"), "{message}");
+    let message = refused(r#"<shape type="sphere"><ref id="b"/></shape>"#, vec![]);
+    assert!(message.ends_with("the scene has none"), "{message}");
+    let defaults: String = (0..500).map(|index| format!(r#"<default name="size{index}" value="1"/>"#)).collect();
+    let message = refused(&format!(r#"{defaults}<string name="a" value="$sise3"/>"#), vec![]);
+    assert!(message.contains("'$sise3' is not defined; defined: 500 parameters, such as size3, "), "{message}");
+    let message = refused(&defaults, vec![(String::from("sise3"), String::new())]);
+    assert!(message.contains("no parameter of that name; it has 500 parameters, such as size3, "), "{message}");
+}

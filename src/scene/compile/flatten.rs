@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DQuat, Vec3, Vec4};
 
 use super::light::importance;
-use crate::error::{Error, Result, all_of};
+use crate::error::{Error, Result, some_of};
 use crate::layout::{
     Corners, LIGHT_SPHERE, LIGHT_TRIANGLE, Light, NONE, Primitive, SMOOTH_BIT, SPHERE_BIT, SURFACE_EMITS_BEHIND,
     SURFACE_HAS_ALPHA_COLOURS, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
@@ -322,10 +322,10 @@ impl Flat {
         let lacks = |index: &&usize| mesh.attributes.iter().all(|own| own.name != self.names[**index]);
         if let Some(index) = self.shown.get(surface).and_then(|shown| shown.iter().find(lacks)) {
             let own: Vec<&str> = mesh.attributes.iter().map(|own| own.name.as_str()).collect();
-            let own = if own.is_empty() { String::from("it has none") } else { format!("it has {}", all_of(own)) };
             let name = &self.names[*index];
+            let own = some_of(own, "attributes", name);
             return Err(wrong(format!(
-                "its material shows the mesh attribute '{name}', which it does not have; {own}"
+                "its material shows the mesh attribute '{name}', which it does not have; it has {own}"
             )));
         }
         let flags = self.add_attributes(mesh, to_local, surface, emits).map_err(wrong)?;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Error, Result, all_of};
+use crate::error::{Error, Result, some_of};
 use crate::files::read_text;
 use crate::scene::load::limits::{DEPTH, INCLUDES, PARAMETER_BYTES, XML_BYTES, XML_ELEMENTS};
 
@@ -103,9 +103,9 @@ pub(super) fn read(path: &Path, defines: &Defines) -> Result<Element> {
     let known: BTreeSet<String> = parameters.declared.union(&parameters.used.borrow()).cloned().collect();
     for (name, _) in defines {
         if !known.contains(name) {
-            let valid =
-                if known.is_empty() { String::from("it has none") } else { format!("it has {}", all_of(&known)) };
-            return Err(Error::Usage(format!("-D {name}: {} has no parameter of that name; {valid}", path.display())));
+            let known = some_of(known.iter().map(String::as_str), "parameters", name);
+            let message = format!("-D {name}: {} has no parameter of that name; it has {known}", path.display());
+            return Err(Error::Usage(message));
         }
     }
     Ok(root)
@@ -267,14 +267,10 @@ impl Parameters {
             // The longest known name wins, so that "$size_x" may mean "$size" followed by "_x".
             let name = (1..=end).rev().map(|end| &rest[..end]).find(|name| self.values.contains_key(*name));
             let Some(name) = name else {
-                let known = if self.values.is_empty() {
-                    String::from("none is defined")
-                } else {
-                    format!("defined are {}", all_of(self.values.keys()))
-                };
+                let name = &rest[..end];
+                let known = some_of(self.values.keys().map(String::as_str), "parameters", name);
                 return Err(format!(
-                    "the parameter '${}' is not defined; {known}. Give it with -D name=value or <default>",
-                    &rest[..end]
+                    "the parameter '${name}' is not defined; defined: {known}. Give it with -D name=value or <default>"
                 ));
             };
             self.used.borrow_mut().insert(name.to_owned());

@@ -13,7 +13,7 @@ use super::object::{Child, Object, Property, Warnings};
 use super::spectrum::{Spectrum, decode_srgb, hexadecimal};
 use super::transform;
 use super::value::Value;
-use crate::error::{Error, Result, all_of, one_of};
+use crate::error::{Error, Result, one_of, some_of};
 use crate::scene::load::limits::DEPTH;
 
 /// Elements that are objects: they have a `type` and can be referred to by `id`. A `<spectrum>` with a `type` is one, too: a texture.
@@ -94,14 +94,8 @@ impl<'a> Parser<'a> {
     /// The element of an id.
     fn named(&self, by: &Element, id: &str) -> Result<&'a Element> {
         self.elements.get(id).copied().ok_or_else(|| {
-            let mut known: Vec<_> = self.elements.keys().collect();
-            known.sort();
-            let known = if known.is_empty() {
-                String::from("the scene has none")
-            } else {
-                format!("the scene has {}", all_of(known))
-            };
-            by.error(format!("<{}> to the unknown id '{id}'; {known}", by.tag))
+            let known = some_of(self.elements.keys().copied(), "ids", id);
+            by.error(format!("<{}> to the unknown id '{id}'; the scene has {known}", by.tag))
         })
     }
 
