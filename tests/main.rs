@@ -47,6 +47,7 @@ mod obj;
 mod peer;
 mod ply;
 mod radiosity;
+mod ranges;
 mod rays;
 mod recursion;
 mod references;

@@ -14,6 +14,7 @@ mod medium;
 pub mod needs;
 mod objects;
 mod power;
+mod single;
 mod smoothness;
 
 use std::collections::HashMap;

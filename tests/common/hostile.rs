@@ -1,7 +1,7 @@
 //! Bytes of any kind as input of the loaders, and the rules that hold whatever they are: `tests/hostile.rs` and the fuzz targets
 //! go by them.
 //!
-//! A loader either makes a scene whose indices exist and whose geometry is finite, or says in one line what is wrong. It neither
+//! A loader either makes a scene whose indices exist and whose numbers are finite, or says in one line what is wrong. It neither
 //! panics, nor takes more memory than [`MOST_MEMORY`].
 
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -263,7 +263,50 @@ pub fn check_file(path: &Path, named: &Path) -> Result<Scene, String> {
     }
 }
 
-/// Every index exists, all geometry is finite, and what is made of a scene before it is uploaded can be made.
+/// All numbers of a scene but those of its geometry and its images, each list with its name.
+fn numbers(scene: &Scene) -> Vec<(&'static str, Vec<f32>)> {
+    let materials = scene.materials.iter().flat_map(|m| {
+        let of_metals = m.conductor_eta.into_iter().chain(m.conductor_k);
+        [m.alpha_u, m.alpha_v, m.eta].into_iter().chain(m.reflectance).chain(m.transmittance).chain(of_metals)
+    });
+    let lights = scene.lights.iter().flat_map(|light| {
+        let corners = light.v1.into_iter().chain(light.v2);
+        light.position.into_iter().chain(corners).chain(light.radiance).chain([light.probability])
+    });
+    let textures = scene.textures.iter().flat_map(|t| t.scale.into_iter().chain(t.offset));
+    let layers = scene.layereds.iter().flat_map(|l| {
+        l.absorption.into_iter().chain(l.specular_colour).chain([
+            l.dispersion,
+            l.iridescence_eta,
+            l.iridescence_thickness,
+        ])
+    });
+    let rays = scene.cameras.iter().flat_map(|camera| {
+        let film = camera.film.unwrap_or(scene.film);
+        let plane = camera.image_plane(film.width, film.height);
+        let vectors = [plane.origin, plane.corner, plane.dx, plane.dy, plane.lens_x, plane.lens_y];
+        vectors.into_iter().flat_map(|vector| vector.as_vec3().to_array()).chain([plane.focus as f32])
+    });
+    let places = scene.instances.iter().flat_map(|placed| placed.to_world.to_cols_array().map(|value| value as f32));
+    vec![
+        ("normals", scene.normals.concat()),
+        ("uvs", scene.uvs.concat()),
+        ("second uvs", scene.second_uvs.concat()),
+        ("tangents", scene.tangents.concat()),
+        ("colours", scene.colours.concat()),
+        ("attributes", scene.attributes.concat()),
+        ("materials", materials.collect()),
+        ("layers", layers.collect()),
+        ("lights", lights.collect()),
+        ("textures", textures.collect()),
+        ("emission", scene.surfaces.iter().flat_map(|surface| surface.emission).collect()),
+        ("background", scene.background.into_iter().flatten().collect()),
+        ("rays", rays.collect()),
+        ("places", places.collect()),
+    ]
+}
+
+/// Every index exists, all numbers are finite, and what is made of a scene before it is uploaded can be made.
 fn check_scene(scene: &Scene) {
     assert!(!scene.cameras.is_empty() && scene.film.width > 0 && scene.film.height > 0);
     for camera in &scene.cameras {
@@ -273,6 +316,10 @@ fn check_scene(scene: &Scene) {
         assert!(((primitive.surface & SURFACE_MASK) as usize) < scene.surfaces.len());
         let numbers = [primitive.v0, primitive.v1, primitive.v2];
         assert!(numbers.iter().flatten().all(|value| value.is_finite()), "{primitive:?}");
+    }
+    for (what, numbers) in numbers(scene) {
+        let bad = numbers.iter().position(|value| !value.is_finite());
+        assert!(bad.is_none(), "{what}: number {bad:?} of {} is not finite", numbers.len());
     }
     for group in &scene.groups {
         assert!(group.triangles.end == group.spheres.start && group.spheres.end as usize <= scene.primitives.len());

@@ -12,6 +12,7 @@ use crate::layout::{
     SURFACE_HAS_ALPHA_COLOURS, SURFACE_MASK, Surface, TANGENT_BIT, UV_BIT,
 };
 use crate::scene::description::{Group as GroupDescription, Mesh, Shape, Side, SurfaceDescription};
+use crate::scene::single::RANGE;
 use crate::scene::{Group, NamedShape};
 
 /// The corners of a primitive without vertex attributes.
@@ -23,6 +24,32 @@ fn same_triangle(vertices: [Vec3; 3]) -> [[u32; 3]; 3] {
     let least = (0..3).min_by_key(|index| bits[*index]).unwrap_or(0);
     bits.rotate_left(least);
     bits
+}
+
+/// Fails where a mesh has a vertex attribute that single precision cannot hold, or that is no number; the message names the vertex. Of normals and
+/// tangents that are no numbers nothing is known: they are 0.
+fn check_attributes(mesh: &Mesh) -> Result<(), String> {
+    let wrong = |what: &str, vertex: usize, values: &dyn std::fmt::Display| {
+        Err(format!("the {what} of vertex {vertex} are {values}: they must be finite; {RANGE}"))
+    };
+    for (what, uvs) in [("texture coordinates", &mesh.uvs), ("second texture coordinates", &mesh.second_uvs)] {
+        if let Some(bad) = uvs.iter().position(|uv| !uv.is_finite()) {
+            return wrong(what, bad, &uvs[bad]);
+        }
+    }
+    if let Some(bad) = mesh.normals.iter().position(|normal| normal.abs().max_element() == f32::INFINITY) {
+        return wrong("components of the normal", bad, &mesh.normals[bad]);
+    }
+    if let Some(bad) = mesh.tangents.iter().position(|tangent| tangent.abs().max_element() == f32::INFINITY) {
+        return wrong("components of the tangent", bad, &mesh.tangents[bad]);
+    }
+    let of_attributes = mesh.attributes.iter().map(|own| (own.name.as_str(), &own.values));
+    for (what, values) in [("colours", &mesh.colours)].into_iter().chain(of_attributes) {
+        if let Some(bad) = values.iter().position(|value| !value.is_finite()) {
+            return wrong(what, bad, &values[bad]);
+        }
+    }
+    Ok(())
 }
 
 /// A primitive that emits.
@@ -219,11 +246,7 @@ impl Flat {
                 return Err(format!("{given} {what} for {count} vertices"));
             }
         }
-        for uvs in [&mesh.uvs, &mesh.second_uvs] {
-            if let Some(bad) = uvs.iter().position(|uv| !uv.is_finite()) {
-                return Err(format!("the texture coordinates of vertex {bad} are {}: they must be finite", uvs[bad]));
-            }
-        }
+        check_attributes(mesh)?;
         let for_normals: DMat3 = to_local.matrix3.inverse().transpose();
         let base = self.vertices;
         let mut flags = 0;

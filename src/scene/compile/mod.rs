@@ -16,6 +16,7 @@ pub mod mip_maps;
 mod placement;
 pub mod plastic;
 mod quadrature;
+mod ranges;
 mod texture;
 
 use std::collections::HashMap;
@@ -51,6 +52,7 @@ impl SceneBuilder {
             self.warnings.push(String::from("the scene has no camera: one that frames its bounds stands in"));
             self.cameras.push(framing_camera(extent));
         }
+        ranges::check(&self)?;
         let origin = choose_origin(extent, self.cameras[0].to_world.translation);
 
         let transmits: Vec<bool> = self.materials.iter().map(MaterialDescription::transmits).collect();

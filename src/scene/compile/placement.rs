@@ -3,6 +3,7 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::ranges::MAX_COORDINATE;
 use crate::error::{Error, Result};
 use crate::scene::SceneBuilder;
 use crate::scene::camera::{Camera, FovAxis, look_at};
@@ -54,10 +55,12 @@ pub(super) fn world_extent(description: &SceneBuilder) -> Result<Option<(DVec3, 
         all = all.into_iter().chain(placed).reduce(union);
     }
     match all {
-        Some((min, max)) if !(min.is_finite() && max.is_finite() && min.abs().max(max.abs()).max_element() < 1e18) => {
+        Some((min, max))
+            if !(min.is_finite() && max.is_finite() && min.abs().max(max.abs()).max_element() < MAX_COORDINATE) =>
+        {
             Err(Error::scene(
                 &description.source,
-                format!("the scene spans {min} to {max}: coordinates must be finite and below 1e18"),
+                format!("the scene spans {min} to {max}: coordinates must be finite and below {MAX_COORDINATE:e}"),
             ))
         }
         extent => Ok(extent),

@@ -9,15 +9,17 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Map;
 
+use super::range;
 use crate::error::{Error, Result, one_of};
 use crate::files::{FILE_BYTES, read_bytes};
 use crate::scene::load::limits::JSON_BYTES;
+use crate::scene::single;
 
 /// The first chunk of a .glb.
 const JSON: [u8; 4] = *b"JSON";
 
 /// What is read of the extensions; a file that requires any other is refused.
-const EXTENSIONS: [&str; 19] = [
+pub(super) const EXTENSIONS: [&str; 19] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -160,6 +162,7 @@ impl Document {
             return Err(Error::scene(path, "not a glTF file: its JSON is not an object"));
         };
         check_version(path, &root)?;
+        range::check(path, &root)?;
         let required: Vec<String> = elements(path, &mut root, "extensionsRequired")?;
         if let Some(unknown) = required.iter().find(|name| !EXTENSIONS.contains(&name.as_str())) {
             let hint = HINTS.iter().find(|(name, _)| name == unknown).map_or("", |(_, hint)| hint);
@@ -258,6 +261,12 @@ impl Document {
             return Ok(value);
         }
         Err(self.wrong(element, format!("{name} is {value}, and must be finite and 0 or more")))
+    }
+
+    /// Numbers that were computed from those of the file, all of which must fit single precision.
+    pub fn computed<const N: usize>(&self, element: &str, what: &str, values: [f64; N]) -> Result<[f64; N]> {
+        single::check(values).map_err(|message| self.wrong(element, format!("{what}: {message}")))?;
+        Ok(values)
     }
 
     /// A number that must be in 0 to 1.

@@ -31,6 +31,7 @@ pub(super) fn load(document: &Document, placements: &[Placement], builder: &mut 
         for (channel, value) in colour.iter_mut().zip(light.color) {
             *channel = intensity * amount("color", value)?;
         }
+        let colour = document.computed(&name, "intensity times color", colour)?;
         if light.range.is_some() {
             builder.warnings.push(format!("{name}: its range is not read: light falls with the distance squared only"));
         }

@@ -424,7 +424,10 @@ impl Reader<'_, '_> {
 
         let strength = extensions.emissive_strength.as_ref().map_or(1.0, |emissive| emissive.emissive_strength.0);
         let strength = document.amount(&name, "emissiveStrength", strength)?;
-        let emission = self.amounts("emissiveFactor", material.emissive_factor.0)?.map(|channel| channel * strength);
+        let factor = self.amounts("emissiveFactor", material.emissive_factor.0)?;
+        let product = factor.map(|channel| f64::from(channel) * f64::from(strength));
+        document.computed(&name, "emissiveFactor times emissiveStrength", product)?;
+        let emission = factor.map(|channel| channel * strength);
         let emissive = if emission == [0.0; 3] {
             NONE
         } else {
@@ -521,6 +524,8 @@ impl Reader<'_, '_> {
         let colour = self.document.shares(&self.name, "attenuationColor", volume.attenuation_color.0)?;
         let depth = |channel: f32| (-channel.ln()).clamp(0.0, OPAQUE_DEPTH);
         let absorption = colour.map(|channel| if distance.is_finite() { depth(channel) / distance } else { 0.0 });
+        let what = format!("the absorption of attenuationColor over attenuationDistance ({distance:e})");
+        self.document.computed(&self.name, &what, absorption.map(f64::from))?;
         Ok(Layered { absorption, is_volume: u32::from(thickness > 0.0), ..layers })
     }
 

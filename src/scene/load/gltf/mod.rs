@@ -15,6 +15,7 @@ mod meshopt;
 mod nodes;
 mod pose;
 mod primitives;
+mod range;
 mod textures;
 mod uri;
 

@@ -534,7 +534,13 @@ fn with_roughness(mut made: MaterialDescription, roughness: Option<Roughness>) -
 fn relative_index(object: &Object, inside: &str) -> Result<f32> {
     let inside = index_of_refraction(object, "int_ior", inside)?;
     let outside = index_of_refraction(object, "ext_ior", "air")?;
-    Ok((inside / outside) as f32)
+    let eta = (inside / outside) as f32;
+    if !eta.is_normal() {
+        let message =
+            format!("over 'ext_ior' ({outside:?}) it is {:?}, and must be 1.2e-38 to 3.4e38", inside / outside);
+        return Err(object.property_error("int_ior", message));
+    }
+    Ok(eta)
 }
 
 fn index_of_refraction(object: &Object, name: &'static str, default: &str) -> Result<f64> {

@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::image::Encoding;
 use crate::scene::Camera;
 use crate::scene::light::{Falloff, Lamp};
+use crate::scene::single;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 const SUPPORTED: [&str; 6] = ["point", "spot", "directional", "projector", "constant", "envmap"];
@@ -72,11 +73,15 @@ impl Loader {
                 let [width, height] = self.builder.texture_size(texture);
                 let half_width =
                     Camera::new("projector", to_world, fov, axis).tan_half_width(f64::from(width), f64::from(height));
+                // What Mitsuba makes of it.
+                let irradiance = std::f64::consts::PI * object.float("scale", 1.0)?;
+                single::check([irradiance])
+                    .map_err(|message| object.property_error("scale", format!("pi times it: {message}")))?;
                 self.builder.lamps.push(Lamp::Projector {
                     position: to_world.translation,
                     axes: axes_of(&to_world),
                     texture,
-                    irradiance: [std::f64::consts::PI * object.float("scale", 1.0)?; 3], // what Mitsuba makes of it
+                    irradiance: [irradiance; 3],
                     tangents: [half_width, half_width * f64::from(height) / f64::from(width)],
                 });
             }

@@ -12,6 +12,8 @@ use super::refused;
 use super::spectrum::EQUAL_ENERGY_WHITE;
 use super::value::{Colour, SpectrumColours, Value};
 use crate::error::{Error, Result, all_of, one_of};
+use crate::scene::luminance::luminance;
+use crate::scene::single;
 
 /// One object of the scene.
 #[derive(Debug)]
@@ -129,7 +131,7 @@ impl Object {
         match self.properties.get(name).map(|property| &property.value) {
             Some(Value::Uniform(_) | Value::Spectrum(_) | Value::Rgb(_)) => {
                 let colour = self.optional_colour(name, Colour::Unbounded)?;
-                Ok(colour.map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b))
+                Ok(colour.map(luminance))
             }
             _ => self.optional_float(name),
         }
@@ -160,10 +162,16 @@ impl Object {
         Ok(self.optional_float(name)?.unwrap_or(default))
     }
 
-    /// A number above zero.
+    /// A number above zero, in single precision, too.
     pub fn positive_float(&self, name: &'static str, default: f64) -> Result<f64> {
         let value = self.float(name, default)?;
-        if value > 0.0 { Ok(value) } else { Err(self.property_error(name, format!("{value} is not above 0"))) }
+        match value {
+            value if value >= f64::from(f32::MIN_POSITIVE) => Ok(value),
+            value if value > 0.0 => {
+                Err(self.property_error(name, format!("{value:?} is too small: it must be 1.2e-38 or more")))
+            }
+            value => Err(self.property_error(name, format!("{value} is not above 0"))),
+        }
     }
 
     /// An integer, if it is given.
@@ -226,13 +234,16 @@ impl Object {
         if colour.iter().any(|channel| *channel < 0.0) {
             return Err(self.property_error(name, format!("{colour:?} is negative")));
         }
+        single::check(colour).map_err(|message| self.property_error(name, message))?;
         Ok(Some(colour))
     }
 
     /// The colour of this texture, which is the same everywhere.
     pub fn constant_colour(&self, role: Colour) -> Result<[f64; 3]> {
         let colour = self.constant.as_ref().and_then(|value| self.colour_of("value", value, self.line, role));
-        colour.ok_or_else(|| self.error(format!("{} has no colour", self.title())))
+        let colour = colour.ok_or_else(|| self.error(format!("{} has no colour", self.title())))?;
+        single::check(colour).map_err(|message| self.error(format!("{}: {message}", self.title())))?;
+        Ok(colour)
     }
 
     /// A value as a colour, if it can be one.

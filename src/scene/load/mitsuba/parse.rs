@@ -148,7 +148,7 @@ impl<'a> Parser<'a> {
             }
         }
         if element.file.is_legacy {
-            upgrade(&mut object);
+            upgrade(&mut object)?;
         }
         if element.tag != "scene" && object.plugin == "d65" && !object.children.is_empty() {
             // Light of the colour of daylight is white in RGB, whatever it is multiplied by.
@@ -157,6 +157,9 @@ impl<'a> Parser<'a> {
             return Ok(of_daylight);
         }
         object.constant = constant::value_of(&object)?;
+        if let Some(constant) = &object.constant {
+            constant.check().map_err(|message| object.error(format!("{}: {message}", object.title())))?;
+        }
         // References make chains that are as long as the file.
         object.depth = object.children.iter().map(|child| child.object.depth + 1).max().unwrap_or(0);
         if object.depth > DEPTH {
@@ -188,7 +191,9 @@ impl<'a> Parser<'a> {
     }
 }
 
+/// Gives an object a property, all numbers of which must fit single precision, products of several included.
 fn insert(object: &mut Object, element: &Element, name: String, value: Value) -> Result<()> {
+    value.check().map_err(|message| element.error(format!("<{}> '{name}': {message}", element.tag)))?;
     let property = Property { value, line: element.line, used: Cell::new(false) };
     match object.properties.insert(name.clone(), property) {
         Some(_) => Err(element.error(format!("the property '{name}' is given twice"))),
@@ -215,7 +220,7 @@ fn modern_name(name: &str, element: &Element) -> String {
 }
 
 /// Renames what version 2 has renamed, and gathers the map of texture coordinates.
-fn upgrade(object: &mut Object) {
+fn upgrade(object: &mut Object) -> Result<()> {
     if object.plugin == "diffuse" {
         if let Some(property) = object.properties.remove("diffuse_reflectance") {
             object.properties.insert(String::from("reflectance"), property);
@@ -240,9 +245,13 @@ fn upgrade(object: &mut Object) {
     let scale = DVec3::new(take("uscale", 1.0), take("vscale", 1.0), 1.0);
     if let Some(line) = line {
         let map = DAffine3::from_scale(scale) * DAffine3::from_translation(offset);
-        let value = Property { value: Value::Transform(map), line, used: Cell::new(false) };
-        object.properties.insert(String::from("to_uv"), value);
+        let value = Value::Transform(map);
+        value.check().map_err(|message| {
+            object.error(format!("'uoffset', 'voffset', 'uscale' and 'vscale' of {}: {message}", object.title()))
+        })?;
+        object.properties.insert(String::from("to_uv"), Property { value, line, used: Cell::new(false) });
     }
+    Ok(())
 }
 
 fn parse_property(element: &Element, warnings: &Warnings) -> Result<(String, Value)> {

@@ -6,6 +6,7 @@ use crate::error::{Result, one_of};
 use crate::scene::FilmSettings;
 use crate::scene::camera::{Camera, FovAxis, Projection, WHOLE};
 use crate::scene::filter::Filter;
+use crate::scene::single;
 
 const AXES: [(&str, FovAxis); 5] = [
     ("x", FovAxis::X),
@@ -154,7 +155,8 @@ pub(super) fn field_of_view(object: &Object) -> Result<(f64, FovAxis)> {
     }
     // A focal length is of the 36 x 24 mm format, whose diagonal the image's diagonal stands for.
     let text = focal_length.unwrap_or("50mm");
-    let millimetres = text.trim().trim_end_matches("mm").trim().parse::<f64>().ok().filter(|length| *length > 0.0);
+    let millimetres = text.trim().trim_end_matches("mm").trim().parse::<f64>().ok();
+    let millimetres = millimetres.filter(|length| *length > 0.0 && single::fits(*length));
     let millimetres = millimetres
         .ok_or_else(|| object.property_error("focal_length", format!("'{text}' is not a length such as 50mm")))?;
     Ok((2.0 * (36f64.hypot(24.0) / (2.0 * millimetres)).atan().to_degrees(), FovAxis::Diagonal))
@@ -167,7 +169,10 @@ fn read_filter(object: &Object) -> Result<Filter> {
         "tent" => Filter::Tent { radius: object.positive_float("radius", 1.0)? },
         "gaussian" => {
             let stddev = object.positive_float("stddev", 0.5)?;
-            Filter::Gaussian { stddev, radius: 4.0 * stddev }
+            let radius = 4.0 * stddev;
+            single::check([radius])
+                .map_err(|message| object.property_error("stddev", format!("4 times it: {message}")))?;
+            Filter::Gaussian { stddev, radius }
         }
         "mitchell" => Filter::Mitchell { b: object.float("B", third)?, c: object.float("C", third)? },
         "catmullrom" => Filter::Mitchell { b: 0.0, c: 0.5 },

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::spectrum::{Illuminant, Spectrum};
+use crate::scene::single;
 
 #[derive(Clone, Debug)]
 pub(super) enum Value {
@@ -37,6 +38,23 @@ impl From<Spectrum> for SpectrumColours {
 }
 
 impl Value {
+    /// Fails where single precision cannot hold its numbers; the message says which one.
+    pub fn check(&self) -> Result<(), String> {
+        match self {
+            Self::Float(value) | Self::Uniform(value) => single::check([*value]),
+            Self::Vector(value) => single::check(value.to_array()),
+            Self::Rgb(rgb) => single::check(*rgb),
+            Self::Spectrum(SpectrumColours { emission, reflectance }) => {
+                let colours = emission.iter().chain(reflectance).copied();
+                single::check(colours).map_err(|message| format!("its colour in linear sRGB: {message}"))
+            }
+            Self::Transform(map) => {
+                single::check(map.to_cols_array()).map_err(|message| format!("an entry of its matrix: {message}"))
+            }
+            Self::Integer(_) | Self::Boolean(_) | Self::Text(_) => Ok(()),
+        }
+    }
+
     /// Its kind, for messages.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -77,7 +77,7 @@ impl Materials<'_> {
         let mask = self.mask(&mut entry)?;
         let emission_image = self.texture(&mut entry, "map_Ke", Use::Colour)?;
         let emission = described.emissive.unwrap_or(if emission_image.is_some() { [1.0; 3] } else { [0.0; 3] });
-        if emission.iter().any(|channel| !(0.0..1e30).contains(channel)) {
+        if emission.iter().any(|channel| !(0.0..=f64::from(f32::MAX)).contains(channel)) {
             return Err(Error::scene(
                 path,
                 format!("material '{}': Ke is {emission:?}, and must be 0 or more", described.name),
@@ -97,9 +97,8 @@ impl Materials<'_> {
 
     fn texture(&mut self, entry: &mut Entry, word: &'static str, used: Use) -> Result<Option<Texture>> {
         let Some(text) = entry.image(word).map(str::to_owned) else { return Ok(None) };
-        let folder = entry.path.parent().unwrap_or(Path::new(""));
         let what = format!("material '{}': {word}", entry.described.name);
-        let texture = self.textures.add(self.builder, folder, &what, &text, used)?;
+        let texture = self.textures.add(self.builder, entry.path, &what, &text, used)?;
         entry.used.push(word);
         entry.is_textured |= texture.is_some();
         Ok(texture)

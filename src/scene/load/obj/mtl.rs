@@ -7,6 +7,7 @@ use tobj::LoadError;
 
 use super::lines::{Lines, keyword, read_from, without_comment};
 use crate::error::{Error, Result};
+use crate::scene::single;
 
 /// Keywords with a colour.
 const COLOURS: [&str; 5] = ["Ka", "Kd", "Ks", "Ke", "Tf"];
@@ -99,7 +100,9 @@ impl Statements {
         }
         let known = |all: &[&'static str]| all.iter().copied().find(|known| known.eq_ignore_ascii_case(word));
         let number = |word: &str, text: &str| match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+            Ok(value) if value.is_finite() => {
+                single::check([value]).map(|()| value).map_err(|message| format!("{word}: {message}"))
+            }
             _ => Err(format!("{word} needs a number such as 0.5, 1 or 1e-3, and '{text}' is none")),
         };
         if let Some(word) = known(&COLOURS) {

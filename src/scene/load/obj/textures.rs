@@ -4,9 +4,10 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::mtl::file;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::image::{Encoding, read_texture};
 use crate::scene::SceneBuilder;
+use crate::scene::single;
 use crate::scene::texture::{Pattern, TextureDescription, Wrap};
 
 /// Of no one channel of an image is meant, but its colour or its luminance.
@@ -59,16 +60,17 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Adds the texture that `text` names, beside an MTL file in `folder`; nothing where there is no such file, which a warning says.
+    /// Adds the texture that `text` names, in the file `mtl` or beside it; nothing where there is no such file, which a warning says.
     pub fn add(
         &mut self,
         builder: &mut SceneBuilder,
-        folder: &Path,
+        mtl: &Path,
         what: &str,
         text: &str,
         used: Use,
     ) -> Result<Option<Texture>> {
-        let reference = parse(text);
+        let reference = parse(text).map_err(|message| Error::scene(mtl, format!("{what}: {message}")))?;
+        let folder = mtl.parent().unwrap_or(Path::new(""));
         let names = [&reference.name, reference.name.split(" #").next().unwrap_or_default()];
         let Some(path) = names.into_iter().find_map(|name| file(folder, name)) else {
             builder.warnings.push(format!("{what}: there is no file '{}', and it is left out", reference.name));
@@ -107,8 +109,8 @@ impl Textures {
     }
 }
 
-/// Takes options and name apart. Options that change nothing here are skipped: `-blendu`, `-blendv`, `-boost`, `-cc`, `-t`, `-texres`, `-type`.
-fn parse(text: &str) -> Reference {
+/// Takes options and name apart; the message says which number is out of range. Options that change nothing here are skipped: `-blendu`, `-blendv`, `-boost`, `-cc`, `-t`, `-texres`, `-type`.
+fn parse(text: &str) -> Result<Reference, String> {
     let mut reference = Reference {
         name: String::new(),
         scale: [1.0; 2],
@@ -133,11 +135,15 @@ fn parse(text: &str) -> Reference {
             }
             taken
         };
-        let is_number = |word: &str| word.parse::<f32>().is_ok_and(f32::is_finite);
-        let numbers = |words: Vec<&str>| -> Vec<f32> { words.iter().filter_map(|word| word.parse().ok()).collect() };
+        let is_number = |word: &str| word.parse::<f64>().is_ok_and(f64::is_finite);
+        let numbers = |words: Vec<&str>| -> Result<Vec<f32>, String> {
+            let values: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
+            single::check(values.iter().copied()).map_err(|message| format!("{option}: {message}"))?;
+            Ok(values.into_iter().map(|value| value as f32).collect())
+        };
         match option {
             "-s" | "-o" | "-t" => {
-                let values = numbers(take(3, &is_number));
+                let values = numbers(take(3, &is_number))?;
                 let into = match option {
                     "-s" => &mut reference.scale[..],
                     "-o" => &mut reference.offset[..],
@@ -146,10 +152,10 @@ fn parse(text: &str) -> Reference {
                 into.iter_mut().zip(values).for_each(|(into, value)| *into = value);
             }
             "-mm" => {
-                let values = numbers(take(2, &is_number));
+                let values = numbers(take(2, &is_number))?;
                 reference.base_gain.iter_mut().zip(values).for_each(|(into, value)| *into = value);
             }
-            "-bm" => reference.bump = numbers(take(1, &is_number)).first().copied().unwrap_or(1.0),
+            "-bm" => reference.bump = numbers(take(1, &is_number))?.first().copied().unwrap_or(1.0),
             "-boost" | "-texres" => drop(take(1, &is_number)),
             "-clamp" => reference.clamp = take(1, &|_| true) == ["on"],
             "-imfchan" => {
@@ -167,19 +173,22 @@ fn parse(text: &str) -> Reference {
         rest = after;
     }
     reference.name = rest.to_owned();
-    reference
+    Ok(reference)
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     #[test]
     fn options_stand_before_a_name_that_may_hold_blanks() {
-        let plain = parse("brick wall.png");
+        let plain = parse("brick wall.png").unwrap();
         assert_eq!((plain.name.as_str(), plain.scale, plain.offset), ("brick wall.png", [1.0; 2], [0.0; 2]));
         let all =
-            parse("-blendu off -s 2 3 1 -o .5 -mm 0.1 0.8 -clamp on -bm 0.25 -imfchan r -texres 512 maps\\a b.png");
+            parse("-blendu off -s 2 3 1 -o .5 -mm 0.1 0.8 -clamp on -bm 0.25 -imfchan r -texres 512 maps\\a b.png")
+                .unwrap();
         let expected = Reference {
             name: String::from("maps\\a b.png"),
             scale: [2.0, 3.0],
@@ -191,8 +200,11 @@ mod tests {
         };
         assert_eq!(all, expected);
         // A name that reads as a number or as an option, and options without their arguments.
-        assert_eq!(parse("-s 2 2 2 1").name, "1");
-        assert_eq!(parse("-cube.png").name, "-cube.png");
-        assert_eq!((parse("-s a.png").name, parse("-clamp").name), (String::from("a.png"), String::from("-clamp")));
+        assert_eq!(parse("-s 2 2 2 1").unwrap().name, "1");
+        assert_eq!(parse("-cube.png").unwrap().name, "-cube.png");
+        assert_eq!(
+            (parse("-s a.png").unwrap().name, parse("-clamp").unwrap().name),
+            (String::from("a.png"), String::from("-clamp"))
+        );
     }
 }
