@@ -242,3 +242,30 @@ fn a_chain_of_nodes_may_be_as_long_as_the_file() {
     file.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(first));
     assert!(file.try_load(&[]).is_ok());
 }
+
+/// What few bytes place very often is counted: instances, the meshes of nodes, joints. A skin that many nodes have is there once.
+#[test]
+fn what_is_placed_is_counted() {
+    let mut file = Gltf::new();
+    let mesh = file.square(json!({}), json!({}));
+    let many = json!({"componentType": F32, "type": "VEC3", "count": 600_000});
+    let many = file.add("accessors", many);
+    let node = json!({"mesh": mesh, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": many}}}});
+    let (first, second) = (file.node(node.clone()), file.node(node));
+    let message = refused(file.text().as_bytes(), "scene.gltf");
+    let expected = [format!("nodes[{second}]"), String::from("more than 1048576 placed meshes, instances counted")];
+    assert!(expected.iter().all(|part| message.contains(part)) && first != second, "{message}");
+
+    let mut file = Gltf::new();
+    let joints = file.accessor(&[0; 16], U8, "VEC4", 4, json!({}));
+    let weights = file.accessor(&floats(&[1.0, 0.0, 0.0, 0.0].repeat(4)), F32, "VEC4", 4, json!({}));
+    let mesh = file.square(json!({}), json!({"attributes": {"JOINTS_0": joints, "WEIGHTS_0": weights}}));
+    let joint = file.node(json!({}));
+    let skin = file.add("skins", json!({"joints": vec![joint; 1000]}));
+    let skinned: Vec<usize> = (0..1100).map(|_| file.node(json!({"mesh": mesh, "skin": skin}))).collect();
+    assert_eq!(file.try_load(&[]).unwrap().primitives.len(), 2200);
+    file.json["skins"][0]["joints"] = json!(vec![joint; (1 << 20) + 1]);
+    let message = refused(file.text().as_bytes(), "scene.gltf");
+    let expected = [format!("nodes[{}]", skinned[0]), String::from("more than 1048576 joints")];
+    assert!(expected.iter().all(|part| message.contains(part)), "{message}");
+}

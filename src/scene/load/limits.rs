@@ -9,8 +9,11 @@ pub(super) const XML_ELEMENTS: u32 = 1 << 20;
 pub(super) const INCLUDES: usize = 16;
 /// Elements, and objects by way of references, nested in each other: what reads them is recursive, and no scene needs more.
 pub(super) const DEPTH: usize = 64;
-/// Shapes that are placed, those of shapes that are merged again each time: merged shapes may share what they hold.
+/// Shapes that are placed, those of shapes that are merged again each time: merged shapes may share what they hold. Of glTF the meshes that
+/// nodes and their instances place.
 pub(super) const SHAPES: u32 = 1 << 20;
+/// Joints of all skins of a glTF file: the few bytes that name one stand for a matrix.
+pub(super) const JOINTS: u32 = 1 << 20;
 /// Bytes that parameters stand for where they are used, all uses together: parameters may hold other parameters.
 pub(super) const PARAMETER_BYTES: usize = 16 << 20;
 /// Bytes of a file with a spectrum.

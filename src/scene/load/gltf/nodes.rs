@@ -1,6 +1,7 @@
 //! The hierarchy of nodes: where everything stands, and the meshes that it places.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use glam::{DAffine3, DMat4, DQuat, DVec3, Vec4};
 
@@ -13,7 +14,8 @@ use super::pose::{self, Pose};
 use super::primitives::Primitives;
 use crate::error::Result;
 use crate::scene::description::WORLD;
-use crate::scene::{Mesh, SceneBuilder};
+use crate::scene::load::limits::{JOINTS, SHAPES};
+use crate::scene::{Mesh, SceneBuilder, single};
 
 /// A node where it stands.
 #[derive(Clone, Copy, Debug)]
@@ -46,9 +48,7 @@ pub(super) fn placements(document: &Document, scene: &SceneEntry) -> Result<Vec<
             return Err(document.wrong(&from, format!("its child {element} has another parent, or is above it")));
         }
         let to_world = above * local(document, node, &element)?;
-        if !to_world.is_finite() {
-            return Err(document.wrong(&element, "where it stands is not finite"));
-        }
+        document.computed(&element, "where it stands", to_world.to_cols_array())?;
         placements.push(Placement { node: index, to_world });
         waiting.extend(node.children.iter().rev().map(|child| (*child, to_world, Some(index))));
     }
@@ -101,33 +101,57 @@ fn places(
     let stands: HashMap<usize, DAffine3> =
         placements.iter().map(|placement| (placement.node, placement.to_world)).collect();
     let mut places = Vec::new();
+    let mut skins: HashMap<usize, Rc<[DAffine3]>> = HashMap::new();
+    let mut joints_so_far = 0;
+    let too_many = |element: &str, what: &str, most: u32| {
+        document.wrong(element, format!("the scene has more than {most} {what} by here, and no more are read"))
+    };
     for placement in placements {
         let (node, element) = (&document.nodes[placement.node], placement.element());
         let Some(mesh) = node.mesh else { continue };
         let weights = &document.get(&document.meshes, "meshes", mesh, &element)?.weights;
         let weights = || weights.iter().flatten().map(|weight| f64::from(*weight)).collect();
-        let own_weights = node.weights.clone();
-        if own_weights.iter().flatten().any(|weight| !weight.is_finite()) {
-            return Err(document.wrong(&element, "its weights are not finite"));
-        }
+        let own_weights: Option<Rc<[f64]>> = node.weights.as_ref().map(|weights| Rc::from(&weights[..]));
         if let Some(skin) = node.skin {
             // Its joints place it, and not the node.
-            let joints = pose::joints(accessors, skin, &element, |node| stands.get(&node).copied())?;
+            let joints = match skins.get(&skin) {
+                Some(known) => known.clone(),
+                None => {
+                    joints_so_far += pose::joint_count(document, skin, &element)?;
+                    if joints_so_far > u64::from(JOINTS) {
+                        return Err(too_many(&element, "joints of skins and matrices for them", JOINTS));
+                    }
+                    let made = pose::joints(accessors, skin, &element, |node| stands.get(&node).copied())?;
+                    skins.entry(skin).or_insert(made.into()).clone()
+                }
+            };
+            if places.len() >= SHAPES as usize {
+                return Err(too_many(&element, "placed meshes", SHAPES));
+            }
             let pose = Pose { weights: own_weights.unwrap_or_else(weights), joints: Some(joints) };
             places.push(Place { mesh, to_world: DAffine3::IDENTITY, pose: Some(pose) });
             continue;
         }
-        for to_node in instancing::instances(accessors, node, &element)? {
+        let instances = instancing::instances(accessors, node, &element)?;
+        if places.len() + instances.len() > SHAPES as usize {
+            return Err(too_many(&element, "placed meshes, instances counted,", SHAPES));
+        }
+        let mut is_left_out = false;
+        for to_node in instances {
             let to_world = placement.to_world * to_node;
             if to_world.matrix3.determinant() == 0.0 {
-                warnings.push(format!("{element}: it is scaled to nothing, and its mesh is left out"));
+                is_left_out = true;
                 continue;
             }
-            if !to_world.is_finite() || !to_world.inverse().is_finite() {
+            document.computed(&element, "where its instance stands", to_world.to_cols_array())?;
+            if to_world.inverse().to_cols_array().into_iter().any(|value| !single::fits(value)) {
                 return Err(document.wrong(&element, "its scale is too large or too small to be undone"));
             }
             let pose = own_weights.clone().map(|weights| Pose { weights, joints: None });
             places.push(Place { mesh, to_world, pose });
+        }
+        if is_left_out {
+            warnings.push(format!("{element}: it is scaled to nothing, and its mesh is left out"));
         }
     }
     Ok(places)

@@ -1,11 +1,14 @@
 //! How a mesh stands: its morph targets at their weights, and its skin over the joints where the file places them.
 
+use std::rc::Rc;
+
 use glam::{DAffine3, DMat4, DVec3, Vec3};
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::mesh::{MorphTarget, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
+use super::document::Document;
 use crate::error::Result;
 use crate::scene::Mesh;
 
@@ -16,9 +19,16 @@ const SMALL: &[ComponentType] =
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pose {
     /// Of each morph target; those that are missing are 0.
-    pub weights: Vec<f64>,
+    pub weights: Rc<[f64]>,
     /// World from bind pose, of each joint of a skin.
-    pub joints: Option<Vec<DAffine3>>,
+    pub joints: Option<Rc<[DAffine3]>>,
+}
+
+/// How many maps [`joints`] makes and reads for a skin, be they needed or not.
+pub(super) fn joint_count(document: &Document, skin: usize, element: &str) -> Result<u64> {
+    let skin = document.get(&document.skins, "skins", skin, element)?;
+    let matrices = skin.inverse_bind_matrices.and_then(|index| document.accessors.get(index));
+    Ok(matrices.map_or(0, |accessor| accessor.count.0).max(skin.joints.len() as u64))
 }
 
 /// The maps of a skin's joints, given where nodes stand; `element` is what refers to it.
@@ -47,10 +57,8 @@ pub(super) fn joints(
             document.wrong(&skin_name, format!("its joint nodes[{joint}] does not belong to the scene that is read"))
         })?;
         let map = place * DAffine3::from_mat4(DMat4::from_cols_array(&inverse.map(f64::from)));
-        if map.is_finite() {
-            return Ok(map);
-        }
-        Err(document.wrong(&skin_name, format!("where its joint nodes[{joint}] stands is not finite")))
+        document.computed(&skin_name, &format!("where its joint nodes[{joint}] stands"), map.to_cols_array())?;
+        Ok(map)
     };
     skin.joints.iter().zip(&inverse).map(map).collect()
 }
