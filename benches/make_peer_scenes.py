@@ -185,7 +185,7 @@ def interior(folder, random):
     bulbs.lathe((5.2, 1.5, 4.4), [(0.001, 0), (0.05, 0.04), (0.05, 0.08), (0.001, 0.12)], 8)
     metal.lathe((3.0, 1.9, 2.5), [(0.3, 0), (0.25, 0.12), (0.05, 0.2), (0.01, 0.22), (0.01, 0.9)], 24)
     bulbs.lathe((3.0, 1.93, 2.5), [(0.001, 0), (0.06, 0.04), (0.06, 0.08), (0.001, 0.12)], 8)
-    scene(folder, "interior", ("5.6, 1.6, 4.7", "1.9, 0.9, 1.6", 62), (320, 240), [
+    scene(folder, "interior", ("5.2, 1.6, 3.7", "1.9, 0.8, 1.8", 62), (320, 240), [
         ("floor", floor, TEXTURED.format("wood"), None), ("walls", walls, TEXTURED.format("wall"), None),
         ("ceiling", ceiling, DIFFUSE.format("0.8, 0.8, 0.78"), None), ("rug", rug, TEXTURED.format("rug"), None),
         ("books", books, TEXTURED.format("spines"), None), ("wood", wood, ROUGH_PLASTIC.format("0.35, 0.2, 0.1", 0.15), None),
@@ -246,7 +246,7 @@ def hull(folder, random):
     # 800 lamps of two triangles each: strips along the walls, and a few warm ones overhead.
     for z in np.linspace(0.5, length - 0.5, 350):
         for side in (-1, 1):
-            x = side * 1.62
+            x = side * 1.48
             leds.quad((x, 0.62, z), (0, 0, 0.03 * side), (0, 0.02, 0)) if side < 0 else leds.quad((x, 0.62, z), (0, 0, 0.03), (0, 0.02, 0))
     for z in np.linspace(1.5, length - 1.5, 50):
         for x in (-0.5, 0.5):
