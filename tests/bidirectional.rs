@@ -1,7 +1,7 @@
 //! Paths from the light: with every kind of light, camera, material and filter they give the image that `path` gives.
 
 use crate::common::room::{LAMP, material_pairs, room, scene};
-use crate::common::{assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
+use crate::common::{assert_off, assert_same_mean, canon, has_time, render, settings, verify, with_gpu};
 use glam::DVec3;
 use lumbre::layout::Layered;
 use lumbre::layout::backend::Backend;
@@ -119,6 +119,41 @@ fn lights_within_what_absorbs() {
             if inner && !outer || has_time() {
                 let direct = film("direct", 0, 512);
                 assert_same_mean(&format!("{what}: direct"), &direct, &film("direct:sampling=bsdf", 1, 2048), TILE);
+            }
+        });
+    }
+}
+
+/// A lamp in a ball whose lobes have several indices of refraction in the same direction: refraction beside diffuse transmission, and dispersion.
+/// What lights the wall around it crossed them an odd number of times.
+#[test]
+fn lobes_of_several_indices() {
+    let glass = Layered { transmission: 0.5, is_volume: 1, ..plain_layers(0.0) };
+    for (what, layers) in [
+        ("dispersion", Layered { transmission: 1.0, dispersion: 10.0, ..glass }),
+        ("diffuse transmission", Layered { diffuse_transmission: 0.7, ..glass }),
+    ] {
+        let mut builder = SceneBuilder::new(what);
+        let wall = builder.matte([0.5; 3]);
+        builder.sphere(0, "wall", DVec3::ZERO, 1.6, wall);
+        let ball = builder.material(layered([0.9, 0.8, 0.7], 0.6, 1.5, layers));
+        let ball = builder.both_sides(ball);
+        builder.sphere(0, "ball", DVec3::ZERO, 0.9, ball);
+        let lamp = builder.surface(SurfaceDescription { emission: [9.0; 3], ..SurfaceDescription::default() });
+        builder.sphere(0, "lamp", DVec3::ZERO, 0.6, lamp);
+        let eye = DVec3::new(0.0, 0.0, 1.0); // sees the wall alone
+        builder.cameras.push(Camera::look_at(eye, 2.0 * eye, DVec3::Y, 90.0).unwrap());
+        (builder.film.width, builder.film.height) = (SIZE / 2, SIZE / 2);
+        let scene = builder.finish().unwrap();
+        with_gpu(|gpu| {
+            let film = |technique: &str, seed: u32, spp: u32| {
+                render(gpu, &scene, &Settings { seed, ..settings(&scene, technique, Backend::Bvh) }, spp)
+            };
+            let truth = film("path", 1000, 2048);
+            for (seed, (technique, spp)) in (0..).zip([("light", 6144), ("bdpt", 512)]) {
+                let found = film(technique, seed, spp);
+                assert_off(&format!("{what}: {technique}"), &found, &truth, 0.01);
+                assert_same_mean(&format!("{what}: {technique}"), &found, &truth, TILE);
             }
         });
     }

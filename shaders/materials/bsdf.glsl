@@ -154,9 +154,27 @@ void bsdf_closed(inout BsdfSample s, vec3 f, float pdf_w) {
     s.open = false;
 }
 
-// Evaluates a sample that was left open, whose density is known.
+// Some mixture has lobes that reach the same direction by different index ratios: refraction beside diffuse transmission, or dispersion.
+// Two constants, since glslang makes a branch of `a && (b || c)`, which has no place outside of functions.
+const bool HAS_MIXED_LAYERS = HAS_LAYERED_DIFFUSE_TRANSMISSION || HAS_LAYERED_DISPERSION;
+const bool HAS_MIXED_REFRACTION = HAS_LAYERED_VOLUME && HAS_MIXED_LAYERS;
+
+// Evaluates a sample that was left open, whose density is known. For power, f of the reversed pair is f times the eta^2 of the lobe (Veach
+// 1997, section 5.2). Where a direction belongs to lobes of several eta, the eta of the lobe that chose it is not that of the others: such a
+// mixture is evaluated for the reversed pair, and nothing is left for the caller to take out (eta is 1).
 void bsdf_close(Bsdf b, vec3 wo, float pdf_w, inout BsdfSample s) {
-    if (HAS_OPEN_SAMPLES && s.open) bsdf_closed(s, bsdf_eval(b, wo, s.wi), pdf_w);
+    if (HAS_OPEN_SAMPLES && s.open) {
+        bool reversed = is_kind(b, HAS_MIXED_REFRACTION, MATERIAL_LAYERED) && (b.m.flags & MATERIAL_IS_ADJOINT) != 0u;
+        vec3 from = wo, to = s.wi;
+        if (reversed) {
+            from = s.wi;
+            to = wo;
+            s.eta = 1.0;
+        }
+        vec3 f = bsdf_eval(b, from, to);
+        if (reversed) f *= abs(s.wi.z / wo.z);
+        bsdf_closed(s, f, pdf_w);
+    }
 }
 
 // A direction for the given uniform numbers; weight and density include the choice of the lobe, in techniques that split those of its class.

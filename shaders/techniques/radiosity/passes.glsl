@@ -33,7 +33,7 @@ void patch_albedo(PatchTable t, uint index) {
         Vertex v = vertex_at(ray, hit);
         if (v.material == NONE) continue;
         Bsdf b = vertex_material(v, ray, random);
-        BsdfSample s = vertex_sample(v, b, ray, bsdf_u.xyz);
+        BsdfSample s = power_sample(v, b, ray, bsdf_u.xyz);
         sum += s.weight * (s.eta * s.eta);
     }
     Values(t.albedo).at[index] = clamp(sum / float(frame.sample_count), 0.0, 1.0);

@@ -115,3 +115,9 @@ vec3 interpolated(PatchTable t, uint index, vec2 c, uint layer) {
     if (corners.w == NONE) return v0 + at.x * (v1 - v0) + at.y * (v2 - v0);
     return mix(mix(v0, v1, at.x), mix(v2, values.at[corners.w], at.x), at.y);
 }
+
+// A sample whose weight, times eta^2, is a share of power: what leaves where as much comes from each direction.
+BsdfSample power_sample(Vertex v, Bsdf b, Ray ray, vec3 u) {
+    if (is_kind(b, HAS_MIXED_REFRACTION, MATERIAL_LAYERED)) b.m.flags |= MATERIAL_IS_ADJOINT; // each of its lobes has its own eta
+    return vertex_sample(v, b, ray, u);
+}

@@ -67,7 +67,7 @@ bool show(inout Path path, inout Estimate e) {
 
     // What the material returns of light that comes evenly from all sides: of a diffuse one its albedo, without noise.
     Bsdf b = vertex_material(v, path.ray, path.random);
-    BsdfSample s = vertex_sample(v, b, path.ray, next4(path.random).xyz);
+    BsdfSample s = power_sample(v, b, path.ray, next4(path.random).xyz);
     vec3 carried = path.throughput * s.weight * (s.eta * s.eta * INV_PI);
     if (carried == vec3(0.0)) return false;
     PatchTable t = patch_table();
