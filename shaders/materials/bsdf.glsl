@@ -71,11 +71,19 @@ bool bsdf_is_delta(Bsdf b) { return ALL_LOBES_ARE_DELTA(b); }
 // Some lobe passes light through: its frame is never turned round.
 bool bsdf_transmits(Bsdf b) { return (b.m.flags & MATERIAL_HAS_TRANSMISSION) != 0u; }
 
-// Whether some lobe is narrow, as far as that is known without looking at the parameters of mixtures.
+// Whether some lobe is narrow; of a mixture that may be.
 bool bsdf_has_narrow(Bsdf b) { return SPLITS && IS_ROUGH(b) && (IS_MIXTURE(b) || is_narrow(roughness(b.m))); }
 
-// Whether some lobe is broad, likewise: neither a delta nor narrow.
-bool bsdf_has_broad(Bsdf b) { return !bsdf_is_delta(b) && !(SPLITS && IS_ROUGH(b) && !IS_MIXTURE(b) && is_narrow(roughness(b.m))); }
+// Whether some lobe is broad: neither a delta nor narrow. Of a mixture, one that has a weight.
+bool bsdf_has_broad(Bsdf b) {
+    if (bsdf_is_delta(b)) return false;
+    bool found = true;
+    if (SPLITS) {
+        if (IS_ROUGH(b)) found = !is_narrow(roughness(b.m));
+        MIXTURE_HAS_BROAD(found, b)
+    }
+    return found;
+}
 
 // The BSDF of its broad lobes alone, of its narrow ones, and of those of the class that a sample comes from. The same BSDF in techniques that
 // do not split.

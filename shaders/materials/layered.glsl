@@ -209,6 +209,12 @@ float layered_under_coat(Layered l, vec3 wo, vec3 wi) {
     return 1.0 - max(coat_o, coat_i);
 }
 
+bool layered_has_broad(Material m, Layered l) {
+    if ((1.0 - l.metallic) * (1.0 - l.transmission) > 0.0 || !is_narrow(layered_alphas(m, l))) return true;
+    if (HAS_LAYERED_SHEEN && l.sheen_colour != vec3(0.0)) return true;
+    return HAS_LAYERED_CLEARCOAT && l.clearcoat > 0.0 && !is_narrow(vec2(layered_alpha(l.clearcoat_roughness)));
+}
+
 // Probabilities of sampling the diffuse lobe (which serves the sheen too), the clear coat and the microfacets.
 vec3 layered_lobes(Material m, Layered l, vec3 wo) {
     bool inside = wo.z < 0.0 && layered_refracts(l);

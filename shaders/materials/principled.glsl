@@ -58,6 +58,11 @@ vec3 gtr1_sample(float alpha, vec2 u) {
 
 float principled_coat_alpha(Principled p) { return mix(0.1, 0.001, p.clearcoat_gloss); }
 
+bool principled_has_broad(Material m, Principled p) {
+    bool diffuse = (1.0 - p.metallic) * (1.0 - p.spec_trans) > 0.0;
+    return diffuse || !is_narrow(principled_alpha(m, p)) || p.clearcoat > 0.0 && !is_narrow(vec2(principled_coat_alpha(p)));
+}
+
 // Probabilities of sampling the diffuse lobe, the clear coat and the microfacets.
 vec3 principled_lobes(Principled p, bool front) {
     if (!front) return vec3(0.0, 0.0, 1.0);

@@ -12,6 +12,10 @@ vec2 principled_thin_alpha(Material m, Principled p, bool reflected) {
     return principled_alpha(m, p);
 }
 
+bool principled_thin_has_broad(Material m, Principled p) {
+    return p.spec_trans < 1.0 || !is_narrow(principled_thin_alpha(m, p, true)) || !is_narrow(principled_thin_alpha(m, p, false));
+}
+
 float principled_thin_passage(Principled p) { return clamp(0.5 * p.diff_trans, 0.0, 1.0); }
 
 // Probabilities of sampling microfacets that reflect and that pass, and the diffuse lobes that do.

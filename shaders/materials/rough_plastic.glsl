@@ -8,6 +8,8 @@ float rough_plastic_transmittance(Plastic p, float cosine) {
     return mix(table.at[p.table + cell], table.at[p.table + cell + 1u], at - float(cell));
 }
 
+bool rough_plastic_has_broad(Material m, Plastic p) { return m.reflectance != vec3(0.0) || !is_narrow(roughness(m)); }
+
 vec3 rough_plastic_eval(Material m, Plastic p, vec3 wo, vec3 wi) {
     if (wi.z <= 0.0) return vec3(0.0);
     vec3 h = normalize(wo + wi);

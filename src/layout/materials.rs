@@ -174,6 +174,10 @@ pub fn materials_glsl() -> String {
     branches("Samples b.", "SAMPLE_BSDF(s, b, wo, u)", "s", "sample", "wo, u", true);
     branches("f |cos_i| of the non-delta lobes of b.", "EVALUATE_BSDF(f, b, wo, wi)", "f", "eval", "wo, wi", false);
     branches("Density of the non-delta lobes of b.", "BSDF_DENSITY(pdf, b, wo, wi)", "pdf", "pdf", "wo, wi", false);
+    text += "\n\n// Whether b, a mixture, has a lobe that is broad.\n#define MIXTURE_HAS_BROAD(found, b)";
+    for (kind, bsdf) in rows.iter().filter(|(kind, _)| kind.has(Trait::OpenSamples)) {
+        text += &format!(" \\\n    if ({}) found = {}_has_broad({});", is(kind), bsdf.prefix, arguments(bsdf));
+    }
     text.push('\n');
     for (about, name, wanted) in [
         ("Whether every lobe of b is a delta.", "ALL_LOBES_ARE_DELTA", Trait::AllDelta),
