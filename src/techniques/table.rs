@@ -96,8 +96,6 @@ pub enum Missing {
     DeltaCaustics,
     /// Caustics of delta lights that the camera sees by way of mirrors and smooth glass in turn (SDS paths).
     HiddenDeltaCaustics,
-    /// Highlights of delta lights on surfaces that are nearly as smooth as mirrors: those lobes are followed, and nothing is merged there.
-    NarrowHighlights,
     /// Light that no vertex of a light subpath can be connected to the camera for: the background as the camera sees it, and all that
     /// the camera sees by way of mirrors, smooth glass and what is as smooth (`NARROW_ALPHA`).
     NotConnectableToCamera,
@@ -111,9 +109,6 @@ impl Missing {
             Self::DeltaCaustics => "caustics of points, spots, projectors and parallel light",
             Self::HiddenDeltaCaustics => {
                 "caustics of points, spots, projectors and parallel light that the camera sees by way of mirrors and smooth glass"
-            }
-            Self::NarrowHighlights => {
-                "highlights of points, spots, projectors and parallel light on surfaces that are nearly as smooth as mirrors"
             }
             Self::NotConnectableToCamera => {
                 "the background as the camera sees it, and whatever it sees by way of mirrors, smooth glass and what is as smooth"

@@ -111,7 +111,6 @@ impl Technique {
         let has = |missing: &Missing| match missing {
             Missing::DeltaLights => scene.has_delta_lights(),
             Missing::DeltaCaustics | Missing::HiddenDeltaCaustics => scene.has_delta_lights() && scene.has_smooth(),
-            Missing::NarrowHighlights => scene.has_delta_lights() && scene.has_narrow(),
             Missing::NotConnectableToCamera => scene.background.is_some() || scene.has_smooth() || scene.has_narrow(),
         };
         let by_value = self.row.parameters.iter().zip(&self.values).flat_map(|(parameter, value)| {

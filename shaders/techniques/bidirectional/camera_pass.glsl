@@ -106,6 +106,15 @@ void add_merges(Path path, Vertex v, Bsdf b, SubpathMis m, inout Estimate e) {
     density_contribute(e, sums);
 }
 
+// (1, t) of form=ppm, where nothing else finds it: lights without extent on narrow lobes, at which nothing is merged.
+void add_highlight(Pixel pixel, Path path, Vertex v, Bsdf b, vec4 light_u, inout Estimate e) {
+    LightSample light = light_sample(vertex_reference(v, b), light_u);
+    if (!light.delta) return;
+    NextEvent n = NextEvent(light, vertex_to_local(v, light.wi), vec3(0.0), 0.0);
+    n.f = vertex_eval(v, narrow_lobes(b), path.ray, n.wi, light.wi);
+    add_strategy(pixel, e, 1u, path.depth + 2u, nee_contribution(path, v, b, n, path.throughput, 1.0, e.rays), 1.0);
+}
+
 // Follows the subpath to its next vertex, with all its strategies; false where it ends.
 bool follow(Pixel pixel, inout Path path, inout SubpathMis m, inout Estimate e) {
     Vertex v;
@@ -129,6 +138,7 @@ bool follow(Pixel pixel, inout Path path, inout SubpathMis m, inout Estimate e) 
     vec4 bsdf_u = next4(path.random);
     if (!bsdf_is_delta(b)) {
         if (CONNECTS) add_connections(pixel, path, v, b, m, both_sides, light_u, both_sides ? next4(path.random).x : 0.0, e);
+        if (SPLITS && HAS_DELTA_LIGHTS && bsdf_has_narrow(b)) add_highlight(pixel, path, v, b, light_u, e);
         if (MERGES && both_sides && bsdf_has_broad(b)) add_merges(path, v, broad_lobes(b), m, e);
     }
 

@@ -39,15 +39,18 @@ bool follow(inout Path path, inout Estimate e) {
     if (length >= MAX_DEPTH || v.material == NONE) return false;
     Bsdf b = vertex_material(v, path.ray, path.random);
 
-    // 2. Next-event estimation, and photons for broad lobes.
+    // 2. Next-event estimation, and photons for broad lobes. With direct=photons, that of lights without extent on narrow lobes alone.
     vec4 light_u = next4(path.random);
     vec4 bsdf_u = next4(path.random);
     BsdfSample s = bsdf_choose(b, v.wo, bsdf_u.xyz);
-    bool connects = DIRECT == DIRECT_NEE && !bsdf_is_delta(b);
+    const bool highlights = SPLITS && HAS_DELTA_LIGHTS; // of lights without extent on narrow lobes: nothing else finds them
+    bool connects = (DIRECT == DIRECT_NEE || highlights) && !bsdf_is_delta(b);
     LightSample light = no_light();
     if (connects) light = light_sample(vertex_reference(v, b), light_u);
     SplitEvent n = split_connect(path, v, b, light, connects, s);
-    if (connects) contribute(e, length + 1u, split_contribution(path, v, b, n, 1.0, nee_weight(n.narrow), e.rays));
+    float broad_weight = DIRECT == DIRECT_NEE ? 1.0 : 0.0;
+    float narrow_weight = DIRECT == DIRECT_NEE ? nee_weight(n.narrow) : light.delta ? 1.0 : 0.0;
+    if (connects) contribute(e, length + 1u, split_contribution(path, v, b, n, broad_weight, narrow_weight, e.rays));
     if (bsdf_has_broad(b)) add_photons(path, v, broad_lobes(b), e);
 
     // 3. Narrow lobes.

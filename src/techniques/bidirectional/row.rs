@@ -75,7 +75,7 @@ pub const VCM: TechniqueRow = TechniqueRow {
                     mirror or smooth glass; bpt, all but merges; paths of more than 16 segments come from the camera alone",
             values: Values::Choice(&["vcm", "bpm", "ppm", "bpt"]),
             biased: None,
-            misses: &[("ppm", Missing::NarrowHighlights), ("bpt", Missing::HiddenDeltaCaustics)],
+            misses: &[("bpt", Missing::HiddenDeltaCaustics)],
         },
         RADIUS,
         ALPHA,

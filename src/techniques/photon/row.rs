@@ -4,7 +4,7 @@
 pub mod structs;
 
 use super::merging::{ALPHA, GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL, RADIUS};
-use super::{Bias, Correlated, Missing, Over, Parameter, Pass, RareLight, Solves, TechniqueRow, Values, pass};
+use super::{Bias, Correlated, Over, Parameter, Pass, RareLight, Solves, TechniqueRow, Values, pass};
 
 /// Traces light subpaths and stores photons.
 pub const LIGHT: Pass = pass("light", Over::Pixels);
@@ -40,7 +40,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
             about: "what estimates light that was scattered once: next-event estimation, or photons like all other",
             values: Values::Choice(&["nee", "photons"]),
             biased: None,
-            misses: &[("photons", Missing::NarrowHighlights)],
+            misses: &[],
         },
         RADIUS,
         ALPHA,
