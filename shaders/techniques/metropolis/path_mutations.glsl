@@ -275,7 +275,9 @@ bool mutation_extend(inout Mutation m, inout uint rays) {
         if (m.kind >= FROM_CAMERA) {
             PathVertex old = path_vertex(m.route.chain, m.current, i).vertex;
             x.kind = old.kind & VERTEX_DELTA;
-            if (vertex_kind(old) == VERTEX_SURFACE) x.own = old.own;
+            // Towards the camera, a number of the vertex's own decides to which side a mapped normal flips, and reverse_pdf has the density of that: it
+            // is drawn anew, or the way back, which keeps another number, would be none.
+            if (vertex_kind(old) == VERTEX_SURFACE && !(HAS_FLIPPED_NORMALS && m.backwards)) x.own = old.own;
         }
         Vertex met;
         Sampler masks = Sampler(m.random.chain, m.random.mutation, (i + (m.backwards ? 513u : 1u)) * VERTEX_NUMBERS + MASK_NUMBERS, 0u);
