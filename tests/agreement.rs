@@ -165,7 +165,7 @@ fn paths_from_the_lights_agree_on_door_ajar() {
 
 #[test]
 fn paths_from_the_lights_agree_on_ring_caustic() {
-    paths_from_the_lights_agree("ring_caustic.xml", &[], 256, 4096);
+    paths_from_the_lights_agree("ring_caustic.xml", &[("sun_size", "2")], 256, 4096);
 }
 
 /// `techniques_agree_on_veach_mis` has all of these but those that merge, which tests/merging.rs holds to rough metal.

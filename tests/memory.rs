@@ -95,7 +95,7 @@ fn rendering_takes_what_is_predicted() {
                 let renderer = Renderer::new(gpu, &scene, &settings).unwrap();
                 let taken = gpu.peak_bytes() - before;
                 compare_parts(&predicted, renderer.scene().bytes(), name);
-                let film = u64::from(settings.width) * u64::from(settings.height) * 48;
+                let film = u64::from(settings.width) * u64::from(settings.height) * 60;
                 assert!(predicted.parts.iter().any(|part| part.name == "film" && part.bytes == film));
                 compare_peak(&predicted, taken, name);
             }
@@ -248,8 +248,8 @@ fn what_does_not_fit_is_refused_before_it_is_built() {
             let plain = settings(&scene, "path", backend);
             let absurd = Settings { width: 65536, height: 65536, lengths: 64, ..plain.clone() };
             let message = refused(gpu, &scene, &absurd);
-            assert!(message.contains("needs 6336.00 GiB on"), "{message}");
-            assert!(message.contains("film by path length 6144.00 GiB, film 192.00 GiB and"), "{message}");
+            assert!(message.contains("needs 6384.00 GiB on"), "{message}");
+            assert!(message.contains("film by path length 6144.00 GiB, film 240.00 GiB and"), "{message}");
             // The size that is offered fits, and twice that does not.
             let size = message.split("--size ").nth(1).unwrap().split(' ').next().unwrap();
             let (width, height) = size.split_once('x').unwrap();

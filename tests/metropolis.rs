@@ -227,7 +227,7 @@ fn layers_add_up() {
         let layered = |technique: &str| Settings { lengths: 8, ..small(&scene, technique) };
         let truths = films(gpu, &scene, &layered("path"), 8, 128);
         for technique in FORMS {
-            let all = films(gpu, &scene, &layered(technique), 24, 24);
+            let all = films(gpu, &scene, &layered(technique), 48, 24);
             let plain = render(gpu, &scene, &small(&scene, technique), 24);
             let sum: f64 = (0..8).map(|layer| total(&all[0], layer)).sum();
             let whole: f64 = plain.mean().pixels.iter().map(|pixel| f64::from(pixel[1])).sum();

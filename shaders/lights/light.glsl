@@ -57,17 +57,26 @@ bool background_chosen(inout float u) {
     return chosen;
 }
 
-// Lights of which the numbers that place a sample can choose one as well and keep enough bits.
+// Lights of which the number that places a sample can choose one as well and keep enough bits.
 const uint FEW_LIGHTS = 64u;
 
-// An entry of an alias table of the lights, each as likely. Of few, u.z chooses, and its rest is uniform again: where the pair u.zw is spread
-// evenly over the unit square, it is so over each of the lights. Of many, u.x.
+// An entry of an alias table of the lights, each as likely (Walker 1974). Of few lights u.z chooses it, and its rest is uniform again: where the
+// pair u.zw is spread evenly over the unit square, it is so over the samples of each light. Of many, u.x.
 uint light_entry(inout vec4 u, uint count) {
     bool few = count <= FEW_LIGHTS;
     float place = (few ? u.z : u.x) * float(count);
     uint index = min(uint(place), count - 1u);
     if (few) u.z = min(place - float(index), 0.99999994);
     return index;
+}
+
+// Whether the entry's alias is taken rather than its own light, which is kept with this probability: by the rest of u.z, which is uniform after it,
+// or of many lights by u.y.
+bool light_alias(inout vec4 u, uint count, float keep) {
+    if (count > FEW_LIGHTS) return u.y >= keep;
+    bool alias = u.z >= keep;
+    u.z = min(alias ? (u.z - keep) / (1.0 - keep) : u.z / keep, 0.99999994);
+    return alias;
 }
 
 // One of all other lights, chosen from the alias table or the tree, with the probability of that; false where there is none. u.zw is
@@ -87,7 +96,7 @@ bool light_choose(ReferencePoint r, inout vec4 u, out Light light) {
     if (!from_tree && count > 1u) {
         index = light_entry(u, count);
         Light drawn = load_light(index);
-        if (u.y >= drawn.keep) index = drawn.alias;
+        if (light_alias(u, count, drawn.keep)) index = drawn.alias;
     }
     light = load_light(index);
     if (HAS_LIGHT_TREE) light.probability *= selection;
@@ -134,7 +143,7 @@ EmittedRay light_emit(vec4 u, vec4 v) {
     uint count = light_count();
     if (count == 0u) return no_emission();
     uint index = light_entry(u, count);
-    if (count > 1u && u.y >= load_light(index).emission_keep) index = load_light(index).emission_alias;
+    if (count > 1u && light_alias(u, count, load_light(index).emission_keep)) index = load_light(index).emission_alias;
     Light light = load_light(index);
     EmittedRay e = no_emission();
     EMIT_LIGHT(e, light, u.zw, v.xy)

@@ -45,10 +45,48 @@ pub struct Halves {
     ratios: Vec<f64>,
 }
 
+/// What the pixels of a tile say of its variance.
+#[derive(Clone, Copy, Debug, Default)]
+struct TileVariance {
+    /// Sum of the pixels' variances by their own samples.
+    independent: f64,
+    /// Sum of the squares of those.
+    squares: f64,
+    /// Sum of the pixels' variances by their halves.
+    halves: f64,
+    /// Sum of the differences of the halves, with their sign, each over the deviation that its samples state.
+    errors: f64,
+    /// Sum of the squares of those.
+    error_squares: f64,
+}
+
+impl TileVariance {
+    fn add(&mut self, independent: f64, halves: f64, error: f64) {
+        self.independent += independent;
+        self.squares += independent * independent;
+        self.halves += halves;
+        if independent > 0.0 {
+            self.errors += error / independent.sqrt();
+            self.error_squares += error * error / independent;
+        }
+    }
+
+    /// Variance of a pixel's mean over that of as many independent samples, averaged with 1 by how many independent pixels there are: fewer
+    /// where a few make most of the variance, and where all are off to the same side, because they share light subpaths.
+    fn ratio(&self) -> f64 {
+        if self.independent == 0.0 {
+            return 1.0;
+        }
+        let together = (self.errors * self.errors / self.error_squares.max(f64::MIN_POSITIVE)).max(1.0);
+        let pixels = self.independent * self.independent / self.squares / together;
+        (pixels * self.halves / self.independent + INDEPENDENT_PIXELS) / (pixels + INDEPENDENT_PIXELS)
+    }
+}
+
 /// Width and height in pixels of the tiles over which the ratio of variances is estimated.
 const TILE: u32 = 16;
 
-/// Tiles whose variance few pixels make cannot tell their ratio: it is averaged with 1, which has the weight of so many pixels.
+/// Few independent pixels cannot tell the ratio of a tile: it is averaged with 1, which has the weight of so many pixels.
 const INDEPENDENT_PIXELS: f64 = 8.0;
 
 /// The contribution of one strategy of bidirectional path tracing.
@@ -131,19 +169,14 @@ impl Film {
     /// Takes the samples' halves over, and estimates tile by tile what the sampler leaves of the variance.
     fn set_differences(&mut self, differences: Vec<[f64; 3]>) {
         let tiles = |side: u32| side.div_ceil(TILE);
-        let mut sums = vec![[0.0; 3]; tiles(self.width) as usize * tiles(self.height) as usize];
+        let mut sums = vec![TileVariance::default(); tiles(self.width) as usize * tiles(self.height) as usize];
         for (pixel, difference) in differences.iter().enumerate() {
             let independent = self.variance_of_sample(pixel).iter().sum::<f64>() / self.counts[pixel].max(1) as f64;
             let halves = self.variance_by_halves(pixel, difference).iter().sum::<f64>();
-            let sums = &mut sums[self.tile(pixel)];
-            *sums = [sums[0] + halves, sums[1] + independent, sums[2] + independent * independent];
+            let error = difference.iter().sum::<f64>().signum() * halves.sqrt();
+            sums[self.tile(pixel)].add(independent, halves, error);
         }
-        let ratio = |[halves, independent, squares]: [f64; 3]| {
-            let pixels = if squares > 0.0 { independent * independent / squares } else { 0.0 };
-            let ratio = if independent > 0.0 { halves / independent } else { 1.0 };
-            (pixels * ratio + INDEPENDENT_PIXELS) / (pixels + INDEPENDENT_PIXELS)
-        };
-        self.halves = Some(Halves { differences, ratios: sums.into_iter().map(ratio).collect() });
+        self.halves = Some(Halves { differences, ratios: sums.iter().map(TileVariance::ratio).collect() });
     }
 
     /// The tile that a pixel lies in.

@@ -73,18 +73,24 @@ pub(super) fn layers(run: &mut Run) -> Result<()> {
 /// Samples that are not finite are dropped, counted and located, and their neighbours are untouched.
 pub(super) fn not_finite(run: &mut Run) -> Result<()> {
     const SPP: u32 = 2;
-    let scene = |left: f64| {
+    let scene = |is_bad: bool| {
         let mut builder = SceneBuilder::new("light");
-        // A radiance beyond single precision is infinite on the device.
-        for (x, red) in [(-2.0, left), (0.0, 0.5)] {
-            let surface = lamp(&mut builder, [red, 1.0, 1.0]);
+        let glowing = lamp(&mut builder, [0.5, 1.0, 1.0]);
+        let mut left = glowing;
+        if is_bad {
+            // What a lamp over nearly the half space sheds is beyond single precision, and so infinite on the device.
+            left = builder.matte([0.5; 3]);
+            let sky = lamp(&mut builder, [3e38, 1.0, 1.0]);
+            builder.parallelogram(DVec3::new(200.0, -200.0, 20.0), DVec3::X * -400.0, DVec3::Y * 400.0, sky);
+        }
+        for (x, surface) in [(-2.0, left), (0.0, glowing)] {
             builder.parallelogram(DVec3::new(x, -1.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0, surface);
         }
         look(&mut builder, 16, DVec3::Z * 5.0, DVec3::ZERO, 10.0)?;
         builder.finish()
     };
-    let (bad, good) = (scene(1e39)?, scene(0.5)?);
-    let settings = Settings { max_depth: Some(1), ..run.settings(&bad, "path")? };
+    let (bad, good) = (scene(true)?, scene(false)?);
+    let settings = Settings { max_depth: Some(2), ..run.settings(&bad, "path")? };
     let film = run.film(&bad, &settings, SPP)?;
     let sound = run.render(&good, &settings, SPP)?;
     let expected = 16.0 * 8.0 * f64::from(SPP);
