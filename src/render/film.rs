@@ -77,7 +77,9 @@ impl TileVariance {
         if self.independent == 0.0 {
             return 1.0;
         }
-        let together = (self.errors * self.errors / self.error_squares.max(f64::MIN_POSITIVE)).max(1.0);
+        // Were the pixels independent, this would be the square of a normal number.
+        let together = self.errors * self.errors / self.error_squares.max(f64::MIN_POSITIVE);
+        let together = if together > 9.0 { together } else { 1.0 };
         let pixels = self.independent * self.independent / self.squares / together;
         (pixels * self.halves / self.independent + INDEPENDENT_PIXELS) / (pixels + INDEPENDENT_PIXELS)
     }
