@@ -1,14 +1,15 @@
-//! Trees, and triangles that are constants of the kernel. Both backends against a brute force, and closed meshes, are rows of `lumbre
+//! Trees, and primitives that are constants of the kernel. Both backends against a brute force, and closed meshes, are rows of `lumbre
 //! verify`.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::common::{settings, with_gpu};
+use crate::common::{canon, settings, with_gpu};
 use glam::DVec3;
 use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
 use lumbre::layout::backend::Backend;
-use lumbre::layout::{HitRecord, Primitive, RayRecord};
+use lumbre::layout::{HitRecord, INLINE_MAX, Primitive, RayRecord};
 use lumbre::render::{Probe, Settings};
+use lumbre::scene::SceneBuilder;
 
 /// A small generator of reproducible numbers (Steele, Lea and Flood 2014, SplitMix64).
 struct Random(u64);
@@ -36,34 +37,49 @@ impl Random {
     }
 }
 
-/// A tiny scene's triangles as constants of the kernel answer bit for bit as the BVH does.
+/// A tiny scene's primitives as constants of the kernel answer bit for bit as the BVH does: triangles, both kinds, and as many spheres as fit.
 #[test]
-fn inline_triangles_answer_as_the_bvh_does() {
-    let scene = crate::common::canon("cornell.xml", &[]);
+fn inline_primitives_answer_as_the_bvh_does() {
     let mut random = Random(5);
-    let rays: Vec<RayRecord> = (0..200_000)
-        .map(|_| RayRecord {
-            origin: (DVec3::splat(278.0) + random.in_cube(300.0)).as_vec3().into(),
-            direction: random.direction().as_vec3().into(),
-            t_max: if random.next() < 0.3 { 400.0 } else { 3e38 },
-        })
-        .collect();
-    with_gpu(|gpu| {
-        let answers = [0, u64::MAX].map(|expected_samples| {
-            let settings = Settings { expected_samples, ..settings(&scene, "path", Backend::Bvh) };
-            let probe = Probe::new(gpu, &scene, &settings, "test/trace").unwrap();
-            probe.run::<RayRecord, HitRecord>(&rays).unwrap()
-        });
-        for (index, (memory, inline)) in answers[0].iter().zip(&answers[1]).enumerate() {
-            let same = if memory.t < 0.0 { inline.t < 0.0 } else { memory == inline };
+    let mut spheres = SceneBuilder::new("spheres");
+    let matte = spheres.matte([0.5; 3]);
+    for index in 0..INLINE_MAX {
+        spheres.sphere(0, &index.to_string(), random.in_cube(1.0), 0.05 + 0.2 * random.next(), matte);
+    }
+    let scenes = [canon("cornell.xml", &[]), canon("cornell_spheres.xml", &[]), spheres.finish().unwrap()];
+    for scene in &scenes {
+        let bounds = scene.bounds;
+        let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let rays: Vec<RayRecord> = (0..100_000)
+            .map(|_| RayRecord {
+                origin: (centre + 1.1 * half * random.in_cube(1.0)).as_vec3().into(),
+                direction: random.direction().as_vec3().into(),
+                t_max: if random.next() < 0.3 { half.length() as f32 } else { 3e38 },
+            })
+            .collect();
+        with_gpu(|gpu| {
+            let answers = [0, u64::MAX].map(|expected_samples| {
+                let settings = Settings { expected_samples, ..settings(scene, "path", Backend::Bvh) };
+                let probe = Probe::new(gpu, scene, &settings, "test/trace").unwrap();
+                probe.run::<RayRecord, HitRecord>(&rays).unwrap()
+            });
+            for (index, (memory, inline)) in answers[0].iter().zip(&answers[1]).enumerate() {
+                let same = if memory.t < 0.0 { inline.t < 0.0 } else { memory == inline };
+                assert!(
+                    same && memory.blocked == inline.blocked,
+                    "{}, ray {index}, {:?}: {memory:?} against {inline:?}",
+                    scene.name,
+                    rays[index]
+                );
+            }
             assert!(
-                same && memory.blocked == inline.blocked,
-                "ray {index}, {:?}: {memory:?} against {inline:?}",
-                rays[index]
+                answers[0].iter().filter(|hit| hit.t >= 0.0).count() > 50_000,
+                "the rays should meet {}",
+                scene.name
             );
-        }
-        assert!(answers[0].iter().filter(|hit| hit.t >= 0.0).count() > 100_000, "the rays should meet the box");
-    });
+        });
+    }
 }
 
 #[test]

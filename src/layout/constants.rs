@@ -138,7 +138,7 @@ shared_constants! {
     pub const BAD_SAMPLES = 16;
     /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.
     pub const RAY_COUNTERS = 64;
-    /// The largest number of triangles that a kernel can hold as constants.
+    /// The largest number of primitives that a kernel can hold as constants.
     pub const INLINE_MAX = 48;
     /// Bounces that `lumbre rays` follows its paths for.
     pub const RAY_BOUNCES = 3;

@@ -106,22 +106,29 @@ pub fn glsl(of_techniques: &[&'static SharedStruct]) -> String {
     text
 }
 
-/// The text of `generated/inline.glsl`: `INLINE_TRIANGLES(visit)` calls `visit(index, v0, v1, v2)` for each triangle that
-/// the kernel holds as constants. Straight-line on purpose: a loop over constants is a loop over memory.
+/// The text of `generated/inline.glsl`: `INLINE_PRIMITIVES(visit_triangle, visit_sphere)` calls `visit_triangle(index, v0, v1, v2)` or
+/// `visit_sphere(index, centre, radius)` for each primitive that the kernel holds as constants. Straight-line on purpose: a loop over constants is a
+/// loop over memory.
 pub fn inline_glsl() -> String {
     let mut text = String::from("// Generated from src/layout/.\n\n");
     for coordinate in 0..9 * INLINE_MAX {
         text +=
             &format!("layout(constant_id = {}) const float INLINE_{coordinate} = 0;\n", INLINE_FIRST_ID + coordinate);
     }
-    text += "\n#define INLINE_TRIANGLES(visit)";
-    for triangle in 0..INLINE_MAX {
+    text += "\n#define INLINE_PRIMITIVES(visit_triangle, visit_sphere)";
+    for primitive in 0..INLINE_MAX {
         let vertex = |k: u32| {
-            let first = 9 * triangle + 3 * k;
+            let first = 9 * primitive + 3 * k;
             format!("vec3(INLINE_{}, INLINE_{}, INLINE_{})", first, first + 1, first + 2)
         };
+        let (mask, bit) =
+            if primitive < 32 { ("INLINE_SPHERES", primitive) } else { ("INLINE_SPHERES_HIGH", primitive - 32) };
         text += &format!(
-            " \\\n    if (INLINE_COUNT > {triangle}u) visit({triangle}u, {}, {}, {})",
+            " \\\n    if (INLINE_COUNT > {primitive}u) {{ \\\n        if (({mask} & {}u) != 0u) visit_sphere({primitive}u, {}, INLINE_{}) \\\n        \
+             else visit_triangle({primitive}u, {}, {}, {}) \\\n    }}",
+            1u32 << bit,
+            vertex(0),
+            9 * primitive + 3,
             vertex(0),
             vertex(1),
             vertex(2)

@@ -104,8 +104,12 @@ settings! {
     sobol HAS_SOBOL: bool;
     /// Entries of the traversal stack.
     stack_size STACK_SIZE: uint;
-    /// Triangles that the kernel holds as constants; 0 reads them from memory through the BVH.
+    /// Primitives that the kernel holds as constants; 0 reads them from memory through the BVH.
     inline_count INLINE_COUNT: uint;
+    /// Bit i: the i-th of them is a sphere, whose centre and radius are its first coordinates.
+    inline_spheres INLINE_SPHERES: uint;
+    /// Bit i: that is so of the one 32 places later.
+    inline_spheres_high INLINE_SPHERES_HIGH: uint;
     /// Read nodes and primitives in 64-bit words (faster on CPU devices) rather than in vectors of 32-bit words.
     wide_loads WIDE_LOADS: bool;
     /// Find the traversal stack's top by comparison (faster on CPU devices) rather than by address.
@@ -132,5 +136,5 @@ pub fn specialisation() -> impl Iterator<Item = SpecialisationConstant> {
     (0..).zip(all).map(|(id, (name, kind))| SpecialisationConstant { name, id, kind })
 }
 
-/// `constant_id` of the first coordinate of the inline geometry: triangle i has the nine from `INLINE_FIRST_ID + 9 i`.
+/// `constant_id` of the first coordinate of the inline geometry: primitive i has the nine from `INLINE_FIRST_ID + 9 i`.
 pub const INLINE_FIRST_ID: u32 = (FEATURES.len() + MATERIAL_KINDS + LIGHT_KINDS + SETTINGS.len()) as u32;

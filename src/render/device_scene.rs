@@ -60,7 +60,6 @@ impl DeviceScene {
         let inline_fits = settings.backend == Backend::Bvh
             && settings.specialise
             && !needs.instances
-            && !needs.spheres
             && scene.primitives.len() <= INLINE_MAX as usize
             && settings.expected_samples >= INLINE_WORTHWHILE;
         let started = Instant::now();
@@ -191,7 +190,7 @@ impl DeviceScene {
         self.bytes().iter().filter(|(name, _)| of_structure(name)).map(|(_, bytes)| bytes).sum()
     }
 
-    /// Triangles that the kernel holds as constants instead: traversal then reads no structure.
+    /// Primitives that the kernel holds as constants instead: traversal then reads no structure.
     pub fn inline_count(&self) -> usize {
         self.inline.len()
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::device_scene::DeviceScene;
 use crate::error::Result;
 use crate::gpu::{self, Bindings, DeviceKind, Gpu, Pipeline};
-use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, Specialisation};
+use crate::layout::{INLINE_FIRST_ID, NONE, Primitive, SPHERE_BIT, Specialisation};
 use crate::scene::{Needs, Scene};
 use crate::techniques::{Pass, Sampler, Settings};
 
@@ -101,7 +101,7 @@ pub struct KernelSize {
     pub of: usize,
 }
 
-/// The values of all specialisation constants, as (id, bits). `needs` is what the kernel models of the scene; `stack_size` is in entries of the traversal stack; `inline` are the triangles that
+/// The values of all specialisation constants, as (id, bits). `needs` is what the kernel models of the scene; `stack_size` is in entries of the traversal stack; `inline` are the primitives that
 /// the kernel holds as constants.
 fn constants(
     scene: &Scene,
@@ -112,6 +112,10 @@ fn constants(
     inline: &[Primitive],
 ) -> Result<Constants> {
     let [param0, param1, param2, param3] = settings.technique.words();
+    let spheres = |first: usize| {
+        let primitives = inline.iter().skip(first).take(32).enumerate();
+        primitives.fold(0, |bits, (index, primitive)| bits | u32::from(primitive.surface & SPHERE_BIT != 0) << index)
+    };
     let special = Specialisation {
         needs,
         camera: settings.image_plane(scene)?.kind,
@@ -125,6 +129,8 @@ fn constants(
         unroll: device != DeviceKind::Cpu,
         stack_size,
         inline_count: inline.len() as u32,
+        inline_spheres: spheres(0),
+        inline_spheres_high: spheres(32),
         sobol: settings.sampler == Sampler::Sobol,
         param0,
         param1,
@@ -132,7 +138,7 @@ fn constants(
         param3,
     };
     let mut constants = special.words();
-    let coordinates = inline.iter().flat_map(|triangle| [triangle.v0, triangle.v1, triangle.v2]).flatten();
+    let coordinates = inline.iter().flat_map(|primitive| [primitive.v0, primitive.v1, primitive.v2]).flatten();
     constants.extend((INLINE_FIRST_ID..).zip(coordinates.map(f32::to_bits)));
     Ok(constants)
 }
