@@ -46,8 +46,8 @@ fn inline_primitives_answer_as_the_bvh_does() {
     for index in 0..INLINE_MAX {
         spheres.sphere(0, &index.to_string(), random.in_cube(1.0), 0.05 + 0.2 * random.next(), matte);
     }
-    let scenes = [canon("cornell.xml", &[]), canon("cornell_spheres.xml", &[]), spheres.finish().unwrap()];
-    for scene in &scenes {
+    let canon = |name| (name, canon(name, &[]));
+    for (name, scene) in [canon("cornell.xml"), canon("cornell_spheres.xml"), ("spheres", spheres.finish().unwrap())] {
         let bounds = scene.bounds;
         let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -60,24 +60,19 @@ fn inline_primitives_answer_as_the_bvh_does() {
             .collect();
         with_gpu(|gpu| {
             let answers = [0, u64::MAX].map(|expected_samples| {
-                let settings = Settings { expected_samples, ..settings(scene, "path", Backend::Bvh) };
-                let probe = Probe::new(gpu, scene, &settings, "test/trace").unwrap();
+                let settings = Settings { expected_samples, ..settings(&scene, "path", Backend::Bvh) };
+                let probe = Probe::new(gpu, &scene, &settings, "test/trace").unwrap();
                 probe.run::<RayRecord, HitRecord>(&rays).unwrap()
             });
             for (index, (memory, inline)) in answers[0].iter().zip(&answers[1]).enumerate() {
                 let same = if memory.t < 0.0 { inline.t < 0.0 } else { memory == inline };
                 assert!(
                     same && memory.blocked == inline.blocked,
-                    "{}, ray {index}, {:?}: {memory:?} against {inline:?}",
-                    scene.name,
+                    "{name}, ray {index}, {:?}: {memory:?} against {inline:?}",
                     rays[index]
                 );
             }
-            assert!(
-                answers[0].iter().filter(|hit| hit.t >= 0.0).count() > 50_000,
-                "the rays should meet {}",
-                scene.name
-            );
+            assert!(answers[0].iter().filter(|hit| hit.t >= 0.0).count() > 50_000, "the rays should meet {name}");
         });
     }
 }

@@ -4,7 +4,7 @@
 #include "core/rng.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridCells { uint taken; GridCell at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridPlaces { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GridPlaces { GridPlace at[]; };
 
 // The position in units of cells. The same bits in every kernel, or a point would be sought where it is not.
 vec3 grid_scaled(vec3 position) {
@@ -20,10 +20,17 @@ ivec3 grid_corner(vec3 position) { return ivec3(floor(grid_scaled(position) - 0.
 // Cells far apart may share an entry of the table: whoever reads one must look at the points' own coordinates.
 uint grid_index(ivec3 coordinates) { return pcg4d(uvec4(coordinates, 0)).x & (light_subpaths.grid_cell_count - 1u); }
 
+GridPlace load_place(uint index) {
+    if (!WIDE_LOADS) return GridPlaces(light_subpaths.grid_places).at[index];
+    Words64 words = Words64(light_subpaths.grid_places);
+    uvec2 first = unpack32(words.at[2u * index]), second = unpack32(words.at[2u * index + 1u]);
+    return GridPlace(uintBitsToFloat(uvec3(first, second.x)), second.y);
+}
+
 // A search for the points of a sample around a place:
 //     GridSearch search = grid_search(position);
 //     while (grid_next(search)) ... search.index ...
-// finds all of them, and others besides: grid_found tells by a point's position.
+// finds each point within the radius once.
 struct GridSearch {
     vec3 position;
     ivec3 coordinates; // of the cell
@@ -34,24 +41,28 @@ struct GridSearch {
 
 GridSearch grid_search(vec3 position) { return GridSearch(position, ivec3(0), 0u, 0u, 0u, 0u); }
 
+// Goes on to the next point; false where there is none. Points that are too far away are passed in here, so that lanes which look for their next
+// point wait for those that have it: what is done with a point costs more than passing many.
 bool grid_next(inout GridSearch s) {
-    while (s.at == s.end) {
-        if (s.cell == 8u) return false;
-        s.coordinates = grid_corner(s.position) + ivec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
-        GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(s.coordinates)];
-        s.at = cell.first;
-        s.end = cell.first + cell.count;
-        s.cell += 1u;
+    bool found = false;
+    while (!found && (s.at != s.end || s.cell != 8u)) {
+        if (s.at == s.end) {
+            s.coordinates = grid_corner(s.position) + ivec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
+            GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(s.coordinates)];
+            s.at = cell.first;
+            s.end = cell.first + cell.count;
+            s.cell += 1u;
+        }
+        if (s.at != s.end) {
+            GridPlace place = load_place(s.at);
+            s.at += 1u;
+            s.index = place.index;
+            vec3 d = place.position - s.position;
+            // Another cell may share the entry of the table.
+            found = dot(d, d) < merge_radius() * merge_radius() && grid_coordinates(place.position) == s.coordinates;
+        }
     }
-    s.index = GridPlaces(light_subpaths.grid_places).at[s.at];
-    s.at += 1u;
-    return true;
-}
-
-// Whether the point at this position lies within the radius, and in the cell that is being searched.
-bool grid_found(GridSearch s, vec3 position) {
-    vec3 d = position - s.position;
-    return dot(d, d) < merge_radius() * merge_radius() && grid_coordinates(position) == s.coordinates;
+    return found;
 }
 
 // Points count only where the surface faces nearly as it does at the place (26 degrees): not those of the wall round the corner, nor

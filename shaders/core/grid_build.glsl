@@ -2,12 +2,14 @@
 // subpaths left: for each subpath their number, then room for `light_subpaths.light_vertices` records that begin with a position.
 #include "core/grid.glsl"
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer PointCount { uint at; };
+
 // A point's position; false where nothing was kept.
 bool grid_point(uint index, uint record_bytes, out vec3 position) {
     uint path = index / light_subpaths.light_vertices, place = index % light_subpaths.light_vertices;
     uint64_t first = pack64(light_path_address(uint64_t(path), record_bytes));
     position = vec3(0.0);
-    if (place >= GridPlaces(unpack32(first)).at[0]) return false;
+    if (place >= PointCount(unpack32(first)).at) return false;
     position = Vectors(unpack32(first + 4ul + uint64_t(record_bytes) * uint64_t(place))).at[0];
     return true;
 }
@@ -30,7 +32,7 @@ void grid_build(uint record_bytes) {
     uint cell = grid_index(grid_coordinates(position));
     uint before = atomicAdd(cells.at[cell].count, 1u);
 #ifdef PASS_GRID_FILL
-    GridPlaces(light_subpaths.grid_places).at[cells.at[cell].first + before] = index;
+    GridPlaces(light_subpaths.grid_places).at[cells.at[cell].first + before] = GridPlace(position, index);
 #endif
 #endif
 }

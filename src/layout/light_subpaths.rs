@@ -60,4 +60,12 @@ shared_structs! {
         /// How many there are.
         count: uint,
     }
+
+    /// A place of a cell, which a vertex has taken.
+    pub struct GridPlace {
+        /// The vertex's position.
+        position: vec3,
+        /// Its number: that of its subpath times the most vertices of one, and its own in the subpath.
+        index: uint,
+    }
 }

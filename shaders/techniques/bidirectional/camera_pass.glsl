@@ -94,7 +94,6 @@ void add_merges(Path path, Vertex v, Bsdf b, SubpathMis m, inout Estimate e) {
     while (grid_next(search)) {
         LightPath kept = light_path_at(uint64_t(search.index / light_subpaths.light_vertices));
         uint place = search.index % light_subpaths.light_vertices;
-        if (!grid_found(search, kept.at[place].position)) continue;
         LightVertex y = kept.at[place];
         // Light arrives as densely as the geometric cosine says, the BSDF goes by the shading one.
         float arriving = abs(dot(y.direction, y.normal));

@@ -18,7 +18,6 @@ void add_photons(Path path, Vertex v, Bsdf b, inout Estimate e) {
     while (grid_next(search)) {
         PhotonPath kept = photon_path(search.index / light_subpaths.light_vertices);
         uint place = search.index % light_subpaths.light_vertices;
-        if (!grid_found(search, kept.at[place].position)) continue;
         Photon y = kept.at[place];
         // Photons are as dense as the geometric cosine says, the BSDF goes by the shading one.
         float arriving = abs(dot(y.direction, y.normal));

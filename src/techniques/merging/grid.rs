@@ -7,14 +7,13 @@ use super::super::table::Pass;
 use super::super::table::merging::{GRID_ALLOT, GRID_CLEAR, GRID_COUNT, GRID_FILL};
 use crate::error::Result;
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{GridCell, LightSubpathTable, address};
+use crate::layout::{GridCell, GridPlace, LightSubpathTable, address};
 
 const CELLS: &str = "grid cells";
 const PLACES: &str = "grid places";
 /// Cells of the grid for each light subpath, at least: where the radius is small, each of its few vertices is alone in a cell.
 const CELLS_OF_PATH: u64 = 2;
-/// Bytes of a vertex's place in the grid.
-const PLACE_BYTES: u64 = 4;
+const PLACE_BYTES: u64 = size_of::<GridPlace>() as u64;
 
 /// A hash grid over the vertices of all light subpaths of one sample.
 pub(in super::super) struct Grid {
