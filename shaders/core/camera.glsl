@@ -1,5 +1,6 @@
 // The cameras and the pixel filter.
 #include "core/sampling.glsl"
+#include "core/whole.glsl"
 
 float sinc(float x) { return abs(x) < 1e-3 ? 1.0 - x * x / 6.0 : sin(x) / x; }
 
@@ -144,7 +145,7 @@ CameraView camera_view(vec3 p, vec2 u) { return camera_view_from(lens_shift(u), 
 // A pixel that a position in the image belongs to, chosen by the filter's absolute value at it, along one axis; multiplies `weight`
 // so that each pixel gets the filter's value in the mean.
 int filter_pixel(float x, float u, inout float weight) {
-    int own = int(floor(x));
+    int own = whole_signed(clamp(x, -1e6, 1e6)); // beside the image, as far as that
     if (FILTER == FILTER_BOX) return own;
     int reach = int(ceil(filter_radius() + 0.5));
     float total = 0.0;

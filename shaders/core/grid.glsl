@@ -2,6 +2,7 @@
 // eight at most. The order of points within a cell, and of cells among the places, is left to chance.
 #include "core/light_subpath_table.glsl"
 #include "core/rng.glsl"
+#include "core/whole.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GridCells { uint taken; GridCell at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer GridPlaces { GridPlace at[]; };
@@ -12,13 +13,17 @@ vec3 grid_scaled(vec3 position) {
     return scaled;
 }
 
-ivec3 grid_coordinates(vec3 position) { return ivec3(floor(grid_scaled(position))); }
+// The cell that a position lies in: whole numbers.
+vec3 grid_coordinates(vec3 position) { return floor(grid_scaled(position)); }
 
 // The first of the eight cells, in each direction, that a ball around the position meets.
-ivec3 grid_corner(vec3 position) { return ivec3(floor(grid_scaled(position) - 0.5)); }
+vec3 grid_corner(vec3 position) { return floor(grid_scaled(position) - 0.5); }
 
 // Cells far apart may share an entry of the table: whoever reads one must look at the points' own coordinates.
-uint grid_index(ivec3 coordinates) { return pcg4d(uvec4(coordinates, 0)).x & (light_subpaths.grid_cell_count - 1u); }
+uint grid_index(vec3 coordinates) {
+    ivec3 cell = ivec3(whole_signed(coordinates.x), whole_signed(coordinates.y), whole_signed(coordinates.z));
+    return pcg4d(uvec4(cell, 0)).x & (light_subpaths.grid_cell_count - 1u);
+}
 
 GridPlace load_place(uint index) {
     if (!WIDE_LOADS) return GridPlaces(light_subpaths.grid_places).at[index];
@@ -33,13 +38,13 @@ GridPlace load_place(uint index) {
 // finds each point within the radius once.
 struct GridSearch {
     vec3 position;
-    ivec3 coordinates; // of the cell
+    vec3 coordinates;  // of the cell
     uint cell;         // cells of the eight that have been begun
     uint at, end;      // places of the cell that are left
     uint index;        // the point
 };
 
-GridSearch grid_search(vec3 position) { return GridSearch(position, ivec3(0), 0u, 0u, 0u, 0u); }
+GridSearch grid_search(vec3 position) { return GridSearch(position, vec3(0.0), 0u, 0u, 0u, 0u); }
 
 // Goes on to the next point; false where there is none. Points that are too far away are passed in here, so that lanes which look for their next
 // point wait for those that have it: what is done with a point costs more than passing many.
@@ -47,7 +52,7 @@ bool grid_next(inout GridSearch s) {
     bool found = false;
     while (!found && (s.at != s.end || s.cell != 8u)) {
         if (s.at == s.end) {
-            s.coordinates = grid_corner(s.position) + ivec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
+            s.coordinates = grid_corner(s.position) + vec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
             GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(s.coordinates)];
             s.at = cell.first;
             s.end = cell.first + cell.count;

@@ -3,6 +3,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #include "core/light_subpath_table.glsl"
 #include "core/film.glsl"
+#include "core/whole.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Splat { int64_t channel[3]; };
 
@@ -23,7 +24,7 @@ void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     }
     Splat sums = splat_of(pixel, sample_index, LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u);
     [[unroll]] for (uint i = 0u; i < 3u; i++) {
-        int64_t amount = int64_t(round(units[i]));
+        int64_t amount = whole64(round(units[i]));
         if (amount != 0l) atomicAdd(sums.channel[i], amount);
     }
 }

@@ -1,5 +1,6 @@
 // Textures: texels through device addresses, so that none is bound where a scene has none, and filtered here, so that every
 // device gives the same values (samplers may round their weights to 4 bits).
+#include "core/whole.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Bytes4 { uint at[]; };
 
@@ -11,17 +12,33 @@ const bool HAS_FLOAT_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_FLOAT) != 0u;
 const bool HAS_LINEAR_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_LINEAR8) != 0u;
 const bool HAS_SRGB_TEXELS = (TEXEL_FORMATS & 1u << TEXELS_SRGB8) != 0u;
 
-// The texel's index in one direction, brought into 0 .. size - 1.
-int wrap_texel(int i, int size, uint wrap) {
-    if (!HAS_REPEATING || HAS_CLAMPED && wrap == WRAP_CLAMP) return clamp(i, 0, size - 1);
-    int period = HAS_MIRRORED && wrap == WRAP_MIRROR ? 2 * size : size;
-    i -= period * int(floor(float(i) / float(period)));
-    i = i < 0 ? i + period : (i >= period ? i - period : i); // the division may round across a multiple
-    return clamp(i < size ? i : period - 1 - i, 0, size - 1); // where floats are too coarse to divide, any texel will do
+// Texels in one direction before they repeat.
+int wrap_period(int size, uint wrap) { return HAS_MIRRORED && wrap == WRAP_MIRROR ? 2 * size : size; }
+
+bool wrap_clamps(uint wrap) { return !HAS_REPEATING || HAS_CLAMPED && wrap == WRAP_CLAMP; }
+
+// A texel's index in one direction, brought near the image: what wrap_texel takes. Where floats are too coarse to divide, any texel will do.
+int wrap_corner(float i, int size, uint wrap) {
+    if (wrap_clamps(wrap)) return whole_signed(clamp(i, -1.0, float(size)));
+    float period = float(wrap_period(size, wrap));
+    i -= period * floor(i / period);
+    return int(whole(i < 0.0 ? i + period : (i >= period ? i - period : i))); // the division may round across a multiple
 }
 
+// Such an index, or the one after it, brought into 0 .. size - 1.
+int wrap_texel(int i, int size, uint wrap) {
+    if (wrap_clamps(wrap)) return clamp(i, 0, size - 1);
+    int period = wrap_period(size, wrap);
+    if (i >= period) i -= period;
+    return clamp(i < size ? i : period - 1 - i, 0, size - 1);
+}
+
+uint wrap_u(Texture t) { return t.sampling & 0xffu; }
+uint wrap_v(Texture t) { return t.sampling >> 8u & 0xffu; }
+
+// The texel at an index as wrap_texel takes it.
 vec4 load_texel(Texture t, ivec2 i) {
-    i = ivec2(wrap_texel(i.x, int(t.width), t.sampling & 0xffu), wrap_texel(i.y, int(t.height), t.sampling >> 8u & 0xffu));
+    i = ivec2(wrap_texel(i.x, int(t.width), wrap_u(t)), wrap_texel(i.y, int(t.height), wrap_v(t)));
     uint index = uint(i.y) * t.width + uint(i.x);
     if (!(HAS_LINEAR_TEXELS || HAS_SRGB_TEXELS) || HAS_FLOAT_TEXELS && t.format == TEXELS_FLOAT) return Vectors4(t.texels).at[index];
     uint bytes = Bytes4(t.texels).at[index];
@@ -64,7 +81,8 @@ struct Footprint {
 Footprint texture_footprint(Texture t, vec2 position, bool nearest) {
     vec2 p = position * vec2(t.width, t.height) - (nearest ? 0.0 : 0.5);
     vec2 corner = floor(p);
-    return Footprint(ivec2(corner), nearest ? vec2(0.0) : p - corner, nearest ? 1u : 4u);
+    ivec2 first = ivec2(wrap_corner(corner.x, int(t.width), wrap_u(t)), wrap_corner(corner.y, int(t.height), wrap_v(t)));
+    return Footprint(first, nearest ? vec2(0.0) : p - corner, nearest ? 1u : 4u);
 }
 
 // How many turns a loop over a footprint takes. GPUs take a number that their compiler knows and may unroll, so that the reads wait
@@ -104,7 +122,7 @@ Texture texture_level(Texture t, uint level) {
 vec4 levels_value(Texture t, vec2 position, float side) {
     float texels = side * sqrt(abs(t.row_u.x * t.row_v.y - t.row_u.y * t.row_v.x) * float(t.width) * float(t.height));
     float level = side == 0.0 ? 0.0 : clamp(log2(texels), 0.0, float(t.levels - 1u));
-    uint finer = uint(level);
+    uint finer = whole(level);
     float coarser_share = level - float(finer);
     vec4 value = vec4(0.0);
     for (uint i = finer; i <= finer + (coarser_share > 0.0 ? 1u : 0u); i++) {

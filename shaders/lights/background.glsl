@@ -30,7 +30,8 @@ float background_density(uint cell, vec2 uv) {
 float background_pdf(vec3 direction) {
     if (!has_environment()) return scene.background_probability / (4.0 * PI);
     vec2 uv = background_uv(direction);
-    uvec2 cell = min(uvec2(uv * vec2(scene.background_cells)), scene.background_cells - 1u);
+    vec2 scaled = uv * vec2(scene.background_cells);
+    uvec2 cell = min(uvec2(whole(scaled.x), whole(scaled.y)), scene.background_cells - 1u);
     return scene.background_probability * background_density(cell.y * scene.background_cells.x + cell.x, uv);
 }
 

@@ -65,7 +65,7 @@ const uint FEW_LIGHTS = 64u;
 uint light_entry(inout vec4 u, uint count) {
     bool few = count <= FEW_LIGHTS;
     float place = (few ? u.z : u.x) * float(count);
-    uint index = min(uint(place), count - 1u);
+    uint index = min(count < 1u << 23u ? whole(place) : uint(place), count - 1u);
     if (few) u.z = min(place - float(index), 0.99999994);
     return index;
 }

@@ -1,6 +1,7 @@
 // Density estimation: contributions of points that are met in any order, as integers in units of scene.splat_unit, so that the order of the
 // sum does not matter.
 #include "core/film.glsl"
+#include "core/whole.glsl"
 
 struct DensitySums {
     i64vec3 sums[LENGTH_LAYERS + 1u]; // by path length, or all in the first
@@ -14,7 +15,7 @@ void density_clear(out DensitySums g) {
 
 // Adds the contribution of a path of `length` segments, in units.
 void density_add(inout DensitySums g, uint length, vec3 units) {
-    if (all(lessThan(abs(units), vec3(LARGEST_FIXED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(round(units));
+    if (all(lessThan(abs(units), vec3(LARGEST_FIXED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(whole64(round(units.x)), whole64(round(units.y)), whole64(round(units.z)));
     else g.finite = false;
 }
 

@@ -81,7 +81,8 @@ void proposal_close(vec2 position, float share, uint sample_index, inout Estimat
     e.radiance *= share;
     for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] *= share;
     if (scalar_contribution(e.radiance) < INFINITY) return;
-    uvec2 pixel = uvec2(clamp(position, vec2(0.0), vec2(scene.width - 1u, scene.height - 1u)));
+    vec2 inside = clamp(position, vec2(0.0), vec2(scene.width - 1u, scene.height - 1u));
+    uvec2 pixel = uvec2(whole(inside.x), whole(inside.y));
     report_bad_sample(pixel.y * scene.width + pixel.x, sample_index);
     estimate_clear(e);
 }

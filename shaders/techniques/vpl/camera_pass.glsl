@@ -60,7 +60,7 @@ void add_virtual_lights(inout Path path, Vertex v, Bsdf b, uint sample_index, fl
     float u = next4(path.random).x;
     for (uint k = 0u; k < chosen; k++) {
         // Systematic sampling: each subpath is chosen with the probability chosen / count.
-        uint index = min(uint((float(k) + u) * (float(count) / float(chosen))), count - 1u);
+        uint index = min(whole((float(k) + u) * (float(count) / float(chosen))), count - 1u);
         LightPath kept = light_path_at(uint64_t(index));
         Sampler random = light_path_random(index, sample_index);
         for (uint i = 0u; i < kept.count; i++) {
