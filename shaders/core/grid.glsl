@@ -52,11 +52,16 @@ bool grid_next(inout GridSearch s) {
     bool found = false;
     while (!found && (s.at != s.end || s.cell != 8u)) {
         if (s.at == s.end) {
-            s.coordinates = grid_corner(s.position) + vec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
-            GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(s.coordinates)];
-            s.at = cell.first;
-            s.end = cell.first + cell.count;
+            vec3 corner = grid_corner(s.position), offset = vec3(s.cell & 1u, s.cell >> 1u & 1u, s.cell >> 2u);
+            precise vec3 coordinates = corner + offset, moved = coordinates - corner;
+            s.coordinates = coordinates;
             s.cell += 1u;
+            // Where floats are too coarse to tell a cell from the next one, that is the same one again.
+            if (moved == offset) {
+                GridCell cell = GridCells(light_subpaths.grid_cells).at[grid_index(coordinates)];
+                s.at = cell.first;
+                s.end = cell.first + cell.count;
+            }
         }
         if (s.at != s.end) {
             GridPlace place = load_place(s.at);

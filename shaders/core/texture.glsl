@@ -122,7 +122,7 @@ Texture texture_level(Texture t, uint level) {
 vec4 levels_value(Texture t, vec2 position, float side) {
     float texels = side * sqrt(abs(t.row_u.x * t.row_v.y - t.row_u.y * t.row_v.x) * float(t.width) * float(t.height));
     float level = side == 0.0 ? 0.0 : clamp(log2(texels), 0.0, float(t.levels - 1u));
-    uint finer = whole(level);
+    uint finer = min(whole(level), t.levels - 1u);
     float coarser_share = level - float(finer);
     vec4 value = vec4(0.0);
     for (uint i = finer; i <= finer + (coarser_share > 0.0 ? 1u : 0u); i++) {

@@ -61,12 +61,12 @@ bool background_chosen(inout float u) {
 const uint FEW_LIGHTS = 64u;
 
 // An entry of an alias table of the lights, each as likely (Walker 1974). Of few lights u.z chooses it, and its rest is uniform again: where the
-// pair u.zw is spread evenly over the unit square, it is so over the samples of each light. Of many, u.x.
+// pair u.zw is spread evenly over the unit square, it is so over the samples of each light; u.y gives it the bits that it lacks then. Of many, u.x.
 uint light_entry(inout vec4 u, uint count) {
     bool few = count <= FEW_LIGHTS;
     float place = (few ? u.z : u.x) * float(count);
     uint index = min(count < 1u << 23u ? whole(place) : uint(place), count - 1u);
-    if (few) u.z = min(place - float(index), 0.99999994);
+    if (few) u.z = min(place - float(index) + u.y * (float(count) / 16777216.0), 0.99999994);
     return index;
 }
 

@@ -31,6 +31,7 @@ use super::results::Setup;
 use super::run::Variant;
 use super::subject::{Snapshot, Stop, Subject};
 use crate::error::{Error, Result};
+use crate::gpu::with_the_users_environment;
 use crate::image::read_image;
 
 /// The longest answer that is read, in bytes: whatever a peer prints, it must not fill the memory.
@@ -232,7 +233,7 @@ impl Line {
     fn start(name: &str, command: &[String]) -> Result<Self> {
         let cannot = |why: &dyn std::fmt::Display| Error::Usage(format!("cannot start peer {name}: {why}"));
         let (program, arguments) = command.split_first().ok_or_else(|| cannot(&"no program is named"))?;
-        let mut child = Command::new(program)
+        let mut child = with_the_users_environment(&mut Command::new(program))
             .args(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -115,7 +115,7 @@ fn page() -> String {
         }
     }
     text.push_str(&table.end());
-    text.push_str("## Samplers\n\n`--sampler` chooses one; the first is the default.\n\n");
+    text.push_str("## Samplers\n\n`--sampler` chooses one; the first that a technique can take is its default.\n\n");
     let mut table = Table::new(&["name", "what it is"]);
     for row in SAMPLERS {
         table.row(&[code(row.name), row.about.to_owned()]);

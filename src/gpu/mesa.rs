@@ -1,16 +1,24 @@
 //! What Mesa's CPU driver (llvmpipe) is told before it is loaded, by environment variables; no other driver reads them.
 
+use std::ffi::OsString;
+use std::process::Command;
 use std::sync::{Mutex, Once, PoisonError};
 
 /// LLVM's part in the driver: a list of flags, which are also part of the key of the driver's cache on disk.
 const PERFORMANCE: &str = "GALLIVM_PERF";
 /// Bits of the vectors that kernels are compiled for. The driver takes at most 256 by itself.
 const VECTOR_WIDTH: &str = "LP_NATIVE_VECTOR_WIDTH";
-/// The width that the driver takes by itself where the processor has AVX.
-const DRIVERS_WIDTH: u32 = 256;
 
-/// What this process has set, as `NAME=VALUE`.
-static WAS_SET: Mutex<Vec<String>> = Mutex::new(Vec::new());
+/// A variable that this process has set.
+#[derive(Clone, Debug)]
+struct Set {
+    name: &'static str,
+    value: String,
+    /// What the user had set it to.
+    before: Option<OsString>,
+}
+
+static WAS_SET: Mutex<Vec<Set>> = Mutex::new(Vec::new());
 
 /// Has the driver compile kernels without LLVM's optimisations. It takes about half as long to start, the bits stay, and kernels take 1.2 to 2
 /// times as long for each sample (docs/building.md): right for a rendering of few samples. A value that the user has set stays. To be called before the first
@@ -25,31 +33,41 @@ pub fn compile_quickly() {
 /// (docs/lavapipe.md). To be called before the Vulkan loader is loaded; calls after the first one do nothing.
 ///
 /// The driver's cache on disk does not tell widths apart: a kernel that was compiled for one would be run for another, at that one's
-/// speed. So every width but the driver's own gets flags of the cache's key that change nothing here: they are about samplers of images, and no
-/// kernel has one.
+/// speed. So every width but that which the driver takes by itself gets flags of the cache's key that change nothing here: they are about samplers of
+/// images, and no kernel has one.
 pub(super) fn widen() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let asked = std::env::var(VECTOR_WIDTH).ok();
-        let width = match &asked {
-            Some(text) => text.trim().parse().unwrap_or(DRIVERS_WIDTH),
-            None if has_512_bits() => 512,
-            None => DRIVERS_WIDTH,
+        let key = match &asked {
+            Some(text) => cache_key(width(text)),
+            None if has_512_bits() => {
+                set(VECTOR_WIDTH, "512");
+                cache_key(512)
+            }
+            None => return,
         };
-        if asked.is_none() && width != DRIVERS_WIDTH {
-            set(VECTOR_WIDTH, &width.to_string());
-        }
-        if let Some(key) = cache_key(width) {
-            let flags = std::env::var(PERFORMANCE).unwrap_or_default();
-            let separator = if flags.is_empty() { "" } else { "," };
-            set(PERFORMANCE, &format!("{flags}{separator}{key}"));
-        }
+        let flags = std::env::var(PERFORMANCE).unwrap_or_default();
+        let separator = if flags.is_empty() { "" } else { "," };
+        set(PERFORMANCE, &format!("{flags}{separator}{key}"));
     });
 }
 
 /// The environment variables that this process has set for llvmpipe, as `NAME=VALUE`.
 pub(super) fn was_set() -> Vec<String> {
-    WAS_SET.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    let all = WAS_SET.lock().unwrap_or_else(PoisonError::into_inner);
+    all.iter().map(|set| format!("{}={}", set.name, set.value)).collect()
+}
+
+/// Gives another program the user's environment, without what this process has set for its own driver.
+pub fn with_the_users_environment(command: &mut Command) -> &mut Command {
+    for set in WAS_SET.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        match &set.before {
+            Some(value) => command.env(set.name, value),
+            None => command.env_remove(set.name),
+        };
+    }
+    command
 }
 
 /// Whether the processor has all kinds of instructions that the driver uses at 512 bits.
@@ -65,23 +83,37 @@ fn has_512_bits() -> bool {
     false
 }
 
-/// Flags that keep a width's kernels apart in the driver's cache; nothing for its own width.
-fn cache_key(width: u32) -> Option<&'static str> {
+/// The number that a text means to the driver: decimal, hexadecimal behind `0x`, octal behind `0`; 0 where it is none.
+fn width(text: &str) -> u32 {
+    let text = text.trim();
+    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u32::from_str_radix(digits, 16),
+        None if text.starts_with('0') => u32::from_str_radix(text, 8),
+        None => text.parse(),
+    };
+    number.unwrap_or(0)
+}
+
+/// Flags that keep the kernels of a width that was asked for apart in the driver's cache, from those of the width that it takes by itself
+/// as well, which differs from processor to processor.
+fn cache_key(width: u32) -> &'static str {
     match width {
-        DRIVERS_WIDTH => None,
-        512 => Some("no_quad_lod"),
-        128 => Some("no_aos_sampling"),
-        _ => Some("no_quad_lod,no_aos_sampling"),
+        512 => "no_quad_lod",
+        256 => "no_quad_lod,no_aos_sampling",
+        _ => "no_aos_sampling",
     }
 }
 
-fn set(name: &str, value: &str) {
+fn set(name: &'static str, value: &str) {
+    let before = std::env::var_os(name);
     // SAFETY: changing the environment is unsafe where another thread may read it through libc at that time. No driver is loaded yet, and the
     // threads that load scenes do not touch the environment once they wait for work.
     unsafe { std::env::set_var(name, value) };
-    let mut was_set = WAS_SET.lock().unwrap_or_else(PoisonError::into_inner);
-    was_set.retain(|earlier| !earlier.starts_with(&format!("{name}=")));
-    was_set.push(format!("{name}={value}"));
+    let mut all = WAS_SET.lock().unwrap_or_else(PoisonError::into_inner);
+    match all.iter_mut().find(|set| set.name == name) {
+        Some(set) => value.clone_into(&mut set.value),
+        None => all.push(Set { name, value: value.to_owned(), before }),
+    }
 }
 
 #[cfg(test)]
@@ -91,7 +123,8 @@ mod tests {
     /// Two widths with one key would run each other's kernels.
     #[test]
     fn every_width_has_a_key_of_its_own() {
-        let keys: std::collections::BTreeSet<_> = [64, 128, DRIVERS_WIDTH, 512].map(cache_key).into();
-        assert_eq!(keys.len(), 4);
+        let keys: std::collections::BTreeSet<_> = [128, 256, 512].map(cache_key).into();
+        assert_eq!(keys.len(), 3);
+        assert_eq!(["512", " 0x200", "01000", "wide"].map(width), [512, 512, 512, 0]);
     }
 }

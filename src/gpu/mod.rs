@@ -21,7 +21,7 @@ pub use commands::Commands;
 pub use device::{Gpu, Limits};
 
 pub use instance::Instance;
-pub use mesa::compile_quickly;
+pub use mesa::{compile_quickly, with_the_users_environment};
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use queue::Work;
 pub use survey::{DeviceKind, Survey};

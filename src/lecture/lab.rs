@@ -19,6 +19,7 @@ use super::command::{Scale, Shot, typed};
 use super::run::{Compared, Run};
 use crate::error::{Error, Result};
 use crate::files::replace_file;
+use crate::gpu::with_the_users_environment;
 use crate::image::read_image;
 use crate::render::kernels_fingerprint;
 use crate::scene::{self, LoadOptions};
@@ -206,7 +207,7 @@ impl<'a> Lab<'a> {
         let failed = |message: String| Error::Command { command: command.to_owned(), message };
         // In a group of its own: an interrupt from the terminal reaches this program alone. A rendering that it reached would keep
         // what it has, which looks like one that is done.
-        let mut child = Command::new(&self.place.program)
+        let mut child = with_the_users_environment(&mut Command::new(&self.place.program))
             .args(arguments)
             .process_group(0)
             .stdin(Stdio::null())

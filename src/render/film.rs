@@ -43,6 +43,8 @@ pub struct Halves {
     pub differences: Vec<[f64; 3]>,
     /// Variance of a pixel's mean over that of as many independent samples, per tile of [`TILE`] x [`TILE`] pixels, row by row.
     ratios: Vec<f64>,
+    /// How many independent pixels the whole image has for telling its error.
+    pixels: f64,
 }
 
 /// What the pixels of a tile say of its variance.
@@ -62,26 +64,34 @@ struct TileVariance {
 
 impl TileVariance {
     fn add(&mut self, independent: f64, halves: f64, error: f64) {
+        // Samples whose squares are beyond single precision have no variance.
+        if !(independent > 0.0 && independent.is_finite() && halves.is_finite()) {
+            return;
+        }
         self.independent += independent;
         self.squares += independent * independent;
         self.halves += halves;
-        if independent > 0.0 {
-            self.errors += error / independent.sqrt();
-            self.error_squares += error * error / independent;
-        }
+        self.errors += error / independent.sqrt();
+        self.error_squares += error * error / independent;
     }
 
-    /// Variance of a pixel's mean over that of as many independent samples, averaged with 1 by how many independent pixels there are: fewer
-    /// where a few make most of the variance, and where all are off to the same side, because they share light subpaths.
+    /// How many independent pixels it is that tell the ratio: fewer than there are where a few make most of the variance, and where all are
+    /// off to the same side, because they share light subpaths.
+    fn pixels(&self) -> f64 {
+        if self.independent == 0.0 {
+            return 0.0;
+        }
+        // Were the pixels independent, this would be the square of a normal number.
+        let together = self.errors * self.errors / self.error_squares.max(f64::MIN_POSITIVE);
+        self.independent * self.independent / self.squares / if together > 9.0 { together } else { 1.0 }
+    }
+
+    /// Variance of a pixel's mean over that of as many independent samples, averaged with 1 by the number of independent pixels.
     fn ratio(&self) -> f64 {
         if self.independent == 0.0 {
             return 1.0;
         }
-        // Were the pixels independent, this would be the square of a normal number.
-        let together = self.errors * self.errors / self.error_squares.max(f64::MIN_POSITIVE);
-        let together = if together > 9.0 { together } else { 1.0 };
-        let pixels = self.independent * self.independent / self.squares / together;
-        (pixels * self.halves / self.independent + INDEPENDENT_PIXELS) / (pixels + INDEPENDENT_PIXELS)
+        (self.pixels() * self.halves / self.independent + INDEPENDENT_PIXELS) / (self.pixels() + INDEPENDENT_PIXELS)
     }
 }
 
@@ -90,6 +100,9 @@ const TILE: u32 = 16;
 
 /// Few independent pixels cannot tell the ratio of a tile: it is averaged with 1, which has the weight of so many pixels.
 const INDEPENDENT_PIXELS: f64 = 8.0;
+
+/// Fewer independent pixels than that cannot tell the error of an image by their halves alone: it would be off by more than 9 %.
+const PIXELS_OF_IMAGE: f64 = 256.0;
 
 /// The contribution of one strategy of bidirectional path tracing.
 #[derive(Clone, Debug)]
@@ -171,14 +184,28 @@ impl Film {
     /// Takes the samples' halves over, and estimates tile by tile what the sampler leaves of the variance.
     fn set_differences(&mut self, differences: Vec<[f64; 3]>) {
         let tiles = |side: u32| side.div_ceil(TILE);
+        let mut whole = TileVariance::default();
         let mut sums = vec![TileVariance::default(); tiles(self.width) as usize * tiles(self.height) as usize];
         for (pixel, difference) in differences.iter().enumerate() {
             let independent = self.variance_of_sample(pixel).iter().sum::<f64>() / self.counts[pixel].max(1) as f64;
             let halves = self.variance_by_halves(pixel, difference).iter().sum::<f64>();
             let error = difference.iter().sum::<f64>().signum() * halves.sqrt();
             sums[self.tile(pixel)].add(independent, halves, error);
+            // What counts of a pixel in the relMSE.
+            let n = self.counts[pixel].max(1) as f64;
+            let weight = 1.0 / ((self.sums[pixel].iter().sum::<f64>() / (3.0 * n)).powi(2) + RELATIVE_FLOOR);
+            whole.add(weight * independent, weight * halves, weight.sqrt() * error);
         }
-        self.halves = Some(Halves { differences, ratios: sums.iter().map(TileVariance::ratio).collect() });
+        let ratios = sums.iter().map(TileVariance::ratio).collect();
+        self.halves = Some(Halves { differences, ratios, pixels: whole.pixels() });
+    }
+
+    /// Takes it that the pixels of a sample share light subpaths: how few of them are independent cannot be seen from one image, so the error of
+    /// the image is told by the variance of each pixel, [`Self::variance_of_mean`].
+    pub(crate) fn pixels_are_correlated(&mut self) {
+        if let Some(halves) = &mut self.halves {
+            halves.pixels = 0.0;
+        }
     }
 
     /// The tile that a pixel lies in.
@@ -274,8 +301,10 @@ impl Film {
             return None;
         }
         let variance = |pixel| match &self.halves {
-            Some(halves) => self.variance_by_halves(pixel, &halves.differences[pixel]),
-            None => self.variance_of_mean(pixel),
+            Some(halves) if halves.pixels >= PIXELS_OF_IMAGE => {
+                self.variance_by_halves(pixel, &halves.differences[pixel])
+            }
+            _ => self.variance_of_mean(pixel),
         };
         let error = |(pixel, mean): (usize, &[f32; 3])| {
             let channels = mean.iter().zip(variance(pixel));
@@ -351,5 +380,18 @@ mod tests {
         let independent = 1.0 / 12.0 / SPP as f64;
         let expected = (256.0 * left + INDEPENDENT_PIXELS * independent) / (256.0 + INDEPENDENT_PIXELS);
         assert!((mean_variance(&film) / expected - 1.0).abs() < 0.05, "{} of {expected}", mean_variance(&film));
+    }
+
+    /// Pixels that are all off to the same side, as those that share light subpaths: one difference of halves cannot tell the error.
+    #[test]
+    fn halves_of_pixels_that_are_off_together_tell_little() {
+        for seed in 0..20 {
+            let mut random = Normal::new(seed);
+            let shared: Vec<f64> = (0..64).map(|_| random.uniform()).collect();
+            let film = film(32, 64, |pixel, index| 5.0 + shared[index as usize] + 0.01 * (pixel % 7) as f64);
+            let expected = 1.0 / 12.0 / 64.0 / (5.53f64.powi(2) + RELATIVE_FLOOR);
+            let found = film.error_estimate().unwrap().relmse / expected;
+            assert!((0.5..1.6).contains(&found), "seed {seed}: {found}");
+        }
     }
 }

@@ -32,7 +32,8 @@ use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGR
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::techniques::{
-    Context, MergeSchedule, Over, Pass, Sampler, StateReport, StateStream, TechniqueState, Trial, nothing, stages,
+    Context, Correlated, MergeSchedule, Over, Pass, Sampler, StateReport, StateStream, TechniqueState, Trial, nothing,
+    stages,
 };
 pub use crate::techniques::{Settings, Technique};
 pub use device_scene::DeviceScene;
@@ -315,6 +316,9 @@ impl Renderer {
         let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
         let has_halves = self.settings.sampler == Sampler::Sobol;
         let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count, has_halves);
+        if self.settings.technique.row.correlated != Correlated::Nothing {
+            film.pixels_are_correlated();
+        }
         if let Some(strategies) = self.settings.strategies {
             let mut layers = std::mem::take(&mut film.lengths).into_iter();
             for strategy in strategies.all() {

@@ -3,10 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
+use lumbre::gpu::with_the_users_environment;
+
 /// The program.
 pub fn lumbre() -> Command {
     super::clock::start_child();
-    Command::new(env!("CARGO_BIN_EXE_lumbre"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lumbre"));
+    // As a user would start it, whatever a test before has set for the driver in this process.
+    with_the_users_environment(&mut command);
+    command
 }
 
 /// `lumbre render` of a scene of the canon in `folder`, on the tests' device.

@@ -60,7 +60,12 @@ impl Column {
         let mut all = Vec::new();
         for technique in techniques {
             for backend in &backends {
-                for ablation in std::iter::once(None).chain(ablations.iter().copied().map(Some)) {
+                // Where there is one sampler only, an ablation of it is the technique once more.
+                let changes = |ablation: &(&'static str, Ablation)| {
+                    !matches!(ablation.1, Ablation::Sampler(_)) || technique.row.samplers().len() > 1
+                };
+                let ablations = ablations.iter().copied().filter(changes).map(Some);
+                for ablation in std::iter::once(None).chain(ablations) {
                     let option = ablation.map_or(String::new(), |(name, _)| format!(", {name}"));
                     let plain = format!("{} on {}{option}", technique.describe(), backend.name());
                     let name = (1..).map(|n| if n == 1 { plain.clone() } else { format!("{plain} #{n}") });

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::scene::single;
 
 /// Members that are not read, or whose bounds are: what applications put there is theirs.
-const NOT_READ: [&str; 4] = ["accessors", "animations", "asset", "extras"];
+const NOT_READ: [&str; 5] = ["accessors", "animations", "asset", "extras", "range"];
 
 /// Fails where a number that is read does not fit single precision.
 pub(super) fn check(path: &Path, root: &Map<String, Value>) -> Result<()> {
