@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Two scenes of the kind that people render, for benches against other renderers; deterministic, nothing of them is kept in the repository.
 
-    pip install numpy pillow
+    pip install numpy
     benches/make_peer_scenes.py FOLDER
 
 FOLDER/interior.xml   a room by day: some 4,500 triangles, four textures, diffuse surfaces, plastics and metals; light from a window and lamps
@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
+
+from make_gltf_room import png
 
 
 class Mesh:
@@ -92,7 +93,8 @@ def noise(random, size, octaves):
 
 
 def save(path, rgb):
-    Image.fromarray((np.clip(rgb, 0, 1) * 255).astype(np.uint8)).save(path)
+    levels = np.floor(np.clip(rgb, 0, 1) * 255) / 255
+    path.write_bytes(png(rgb.shape[1], rgb.shape[0], 3, lambda x, y: levels[y, x]))
 
 
 def textures(folder, random):

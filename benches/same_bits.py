@@ -34,7 +34,7 @@ PAIRS = [
     ("cube_point_light.xml", "radiosity:solver=shoot", 2, []),
     ("cornell_spheres.xml", "whitted", 4, []),
     ("gltf_room/room.gltf", "bdpt", 1, []),
-    ("gltf_room/room.gltf", "path", 2, ["--sampler", "sobol"]),
+    ("gltf_room/room.gltf", "path", 2, ["--sampler", "independent"]),
     ("bumps.xml", "path", 4, ["--no-specialise", "--size", "16x16"]),
 ]
 

@@ -24,7 +24,7 @@ void splat(uint pixel, uint sample_index, uint length, vec3 value) {
     }
     Splat sums = splat_of(pixel, sample_index, LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u);
     [[unroll]] for (uint i = 0u; i < 3u; i++) {
-        int64_t amount = whole64(round(units[i]));
+        int64_t amount = rounded64(units[i]);
         if (amount != 0l) atomicAdd(sums.channel[i], amount);
     }
 }

@@ -13,9 +13,9 @@ int whole_signed(float x) {
     return floatBitsToInt(shifted) - 0x4b400000;
 }
 
-// x itself, which is a whole number below 2^63.
-int64_t whole64(float x) {
-    uint bits = floatBitsToUint(x);
+// The whole number nearest to x, of |x| < 2^63.
+int64_t rounded64(float x) {
+    uint bits = floatBitsToUint(round(x));
     int exponent = int(bits >> 23u & 0xffu) - 150; // of the last bit
     uint64_t mantissa = uint64_t(bits & 0x7fffffu | 0x800000u);
     int64_t magnitude = int64_t(exponent >= 0 ? mantissa << uint(exponent) : mantissa >> uint(min(-exponent, 63)));

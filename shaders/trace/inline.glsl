@@ -32,21 +32,21 @@ bool inline_closest(Ray ray, inout Nearest nearest) {
 bool inline_any(Ray ray) {
     Shear shear = shear_along(ray.direction);
     bool found = false;
+#define TAKE(hit) found = hit && t > 0.0 && t < ray.t_max || found;
 #define VISIT_TRIANGLE(index, v0, v1, v2)                                                                               \
     {                                                                                                                   \
         float t;                                                                                                        \
         vec3 edges;                                                                                                     \
-        bool hit = triangle_hit(shear, ray.origin, ray.direction, v0, v1, v2, t, edges);                                \
-        found = hit && t > 0.0 && t < ray.t_max || found;                                                               \
+        TAKE(triangle_hit(shear, ray.origin, ray.direction, v0, v1, v2, t, edges))                                      \
     }
 #define VISIT_SPHERE(index, centre, radius)                                                                             \
     {                                                                                                                   \
         float t;                                                                                                        \
-        bool hit = sphere_hit(ray.origin, ray.direction, centre, radius, t);                                            \
-        found = hit && t > 0.0 && t < ray.t_max || found;                                                               \
+        TAKE(sphere_hit(ray.origin, ray.direction, centre, radius, t))                                                  \
     }
     INLINE_PRIMITIVES(VISIT_TRIANGLE, VISIT_SPHERE)
 #undef VISIT_SPHERE
 #undef VISIT_TRIANGLE
+#undef TAKE
     return found;
 }

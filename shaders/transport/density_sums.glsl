@@ -15,7 +15,7 @@ void density_clear(out DensitySums g) {
 
 // Adds the contribution of a path of `length` segments, in units.
 void density_add(inout DensitySums g, uint length, vec3 units) {
-    if (all(lessThan(abs(units), vec3(LARGEST_FIXED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(whole64(round(units.x)), whole64(round(units.y)), whole64(round(units.z)));
+    if (all(lessThan(abs(units), vec3(LARGEST_FIXED)))) g.sums[LENGTH_LAYERS > 0u ? min(length, LENGTH_LAYERS) - 1u : 0u] += i64vec3(rounded64(units.x), rounded64(units.y), rounded64(units.z));
     else g.finite = false;
 }
 

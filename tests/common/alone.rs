@@ -2,6 +2,8 @@
 
 use std::process::Command;
 
+use lumbre::gpu::with_the_users_environment;
+
 /// Set to the name of the test that has this process for itself.
 const ALONE: &str = "LUMBRE_TEST_ALONE";
 
@@ -13,7 +15,9 @@ pub fn alone(run: impl FnOnce()) {
         return run();
     }
     let mut child = Command::new(std::env::current_exe().unwrap());
-    child.args([&name, "--exact", "--include-ignored", "--nocapture", "--test-threads", "2"]).env(ALONE, &name);
+    with_the_users_environment(&mut child)
+        .args([&name, "--exact", "--include-ignored", "--nocapture", "--test-threads", "2"])
+        .env(ALONE, &name);
     let output = child.output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     println!("{said}{}", String::from_utf8_lossy(&output.stderr));

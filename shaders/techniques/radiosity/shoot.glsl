@@ -41,7 +41,7 @@ void arrive(PatchTable t, uint patch_, uint layer, vec3 power) {
     vec3 units = power / power_unit();
     Power sums = arriving(t, layer, patch_);
     [[unroll]] for (uint i = 0u; i < 3u; i++) {
-        int64_t amount = int64_t(round(units[i]));
+        int64_t amount = rounded64(units[i]);
         if (amount != 0l) atomicAdd(sums.channel[i], amount);
     }
 }
@@ -128,7 +128,7 @@ void collect(PatchTable t, uint index) {
         }
         own += strength(area * Values(t.albedo).at[index] * light);
     }
-    int64_t amount = int64_t(round(own / power_unit()));
+    int64_t amount = rounded64(own / power_unit());
     atomicAdd(totals(t).sent[to], amount);
     if (round_prepares()) atomicAdd(totals(t).sent[2], amount);
     if (index == 0u) totals(t).sent[to ^ 1u] = 0l; // it was read by the pass before, and is the next round's to fill
