@@ -100,7 +100,7 @@ fn request() -> SceneRequest {
         width: SIDE,
         height: SIDE,
         max_depth: -1,
-        rr_depth: 5,
+        rr_depth: Some(5),
     }
 }
 

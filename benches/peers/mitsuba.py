@@ -8,7 +8,7 @@
 
 The protocol is one JSON object per line on standard input, each answered by one on standard output:
 
-    {"open": {"scene": FILE, "defines": {NAME: VALUE}, "width": W, "height": H, "max_depth": N, "rr_depth": N, "folder": FOLDER}}
+    {"open": {"scene": FILE, "defines": {NAME: VALUE}, "width": W, "height": H, "max_depth": N, "rr_depth": N or null, "folder": FOLDER}}
         {"renderer": .., "variant": .., "technique": .., "setup": {"load": S, "build": S, "compile": S}, "notes": [..]}
     {"begin": SEED}
         {"ok": true}
@@ -91,8 +91,8 @@ class Run:
         self.scene = load_scene(self.mi, request)
         self.load = time.perf_counter() - started
         self.sensor = self.scene.sensors()[0]
-        self.integrator = self.mi.load_dict(
-            {"type": "path", "max_depth": request["max_depth"], "rr_depth": request["rr_depth"]})
+        depths = {name: request[name] for name in ("max_depth", "rr_depth") if request[name] is not None}
+        self.integrator = self.mi.load_dict({"type": "path", **depths})
         self.pixels = request["width"] * request["height"]
         self.folder = Path(request["folder"])
         self.scalar = variant.startswith("scalar")

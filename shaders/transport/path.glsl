@@ -19,13 +19,14 @@ struct Path {
     bool from_camera; // the path carries importance; one from a light carries power
     uint depth;       // vertices so far that scattered: the next hit ends a path of depth + 1 segments
     float eta;        // product of index ratios crossed, for Russian roulette
+    float dimming;    // of a path from the camera: what its first vertex left of its throughput, 1 before it and for paths from lights
     Cone cone;        // how wide a path from the camera is, for mip maps
 };
 
 // A path before its first segment.
 Path path_along(Ray ray, Sampler random, bool from_camera) {
     ReferencePoint from = ReferencePoint(ray.origin, vec3(0.0), false);
-    return Path(ray, from, random, vec3(1.0), vec3(0.0), 1.0, from_camera, from_camera, 0u, 1.0, Cone(0.0, 0.0));
+    return Path(ray, from, random, vec3(1.0), vec3(0.0), 1.0, from_camera, from_camera, 0u, 1.0, 1.0, Cone(0.0, 0.0));
 }
 
 // A path from the camera along a ray of it.
@@ -68,6 +69,7 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.delta = s.delta;
     path.eta *= s.eta;
     path.depth += 1u;
+    if (path.from_camera && path.depth == 1u) path.dimming = clamp(largest(path.throughput), 1e-6, 1.0);
     path.ray = vertex_ray(v, vertex_to_world(v, s.wi));
     path.from = vertex_reference(v, b);
     path.from.position = path.ray.origin;
@@ -75,13 +77,17 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
         path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);
 }
 
-// Russian roulette: the path survives with the probability that it still matters, which keeps throughputs near one; `scale` on its
-// throughput takes out what comes back by itself. A constant limit below one would make throughputs grow without bound where nearly all
-// light is reflected.
+// Russian roulette: a path whose throughput has fallen below this survives with the share of it that is left, and is raised back to it;
+// others always survive. That of a path from the camera counts by what its first vertex left of it, so that dark surfaces are not made of few,
+// bright samples. Lower makes paths longer, higher makes them noisier: relMSE x s is flat around it (docs/speed.md).
+const float ROULETTE_BELOW = 0.5;
+
+// Probability with which the path goes on. `scale` on its throughput takes out what comes back by itself. A limit below one would make
+// throughputs grow without bound where nearly all light is reflected.
 float path_survival(Path path, float scale) {
     float greatest = max(path.throughput.x, max(path.throughput.y, path.throughput.z));
     if (path.depth < RR_DEPTH) return greatest > 0.0 ? 1.0 : 0.0;
-    return min(greatest * scale, path.depth < ENDLESS ? 1.0 : 0.999);
+    return min(greatest * scale / (ROULETTE_BELOW * path.dimming), path.depth < ENDLESS ? 1.0 : 0.999);
 }
 
 // False where the path ends.

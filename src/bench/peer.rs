@@ -5,12 +5,12 @@
 //!
 //! | lumbre says | the peer answers |
 //! |---|---|
-//! | `{"open": {"scene": FILE, "defines": {NAME: VALUE, ...}, "width": W, "height": H, "max_depth": N, "rr_depth": N, "folder": FOLDER}}` | `{"renderer": "Mitsuba 3.9.1", "variant": "scalar_rgb", "technique": "path", "setup": {"load": S, "build": S, "compile": S}, "notes": ["..."]}` |
+//! | `{"open": {"scene": FILE, "defines": {NAME: VALUE, ...}, "width": W, "height": H, "max_depth": N, "rr_depth": N or null, "folder": FOLDER}}` | `{"renderer": "Mitsuba 3.9.1", "variant": "scalar_rgb", "technique": "path", "setup": {"load": S, "build": S, "compile": S}, "notes": ["..."]}` |
 //! | `{"begin": SEED}` | `{"ok": true}` |
 //! | `{"advance": {"spp": N, "seconds": T or null}}` | `{"spp": N, "seconds": S, "image": FILE, "nonfinite": N}` |
 //!
 //! `open` comes once and first. The scene's path is absolute, `defines` are the values of `-D`, `max_depth` is the longest path in
-//! segments (-1: no limit), `rr_depth` the length from which on paths may end by chance, and `folder` is where the peer puts its
+//! segments (-1: no limit), `rr_depth` the length from which on paths may end by chance (null: as the peer is used to), and `folder` is where the peer puts its
 //! images. `begin` drops what was rendered and begins a run whose random numbers depend on the seed. `advance` goes on with the
 //! run until it has N samples per pixel or has rendered for T seconds, whichever comes first, and writes the mean of all samples since
 //! `begin` to an image (EXR, linear). Its `spp` and `seconds` count since `begin` as well; `seconds` are those of rendering alone,
@@ -53,8 +53,8 @@ pub struct SceneRequest {
     pub height: u32,
     /// Longest path in segments, -1 for no limit.
     pub max_depth: i64,
-    /// Length in segments from which on paths may end by Russian roulette.
-    pub rr_depth: u32,
+    /// Length in segments from which on paths may end by Russian roulette, where the scene says so: otherwise each renderer does as it is used to.
+    pub rr_depth: Option<u32>,
 }
 
 /// What a peer says of itself.

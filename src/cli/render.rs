@@ -68,7 +68,7 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_depth)]
     max_depth: Option<Depth>,
 
-    /// Segments after which Russian roulette may end a path
+    /// Segments after which Russian roulette may end a path, once its throughput is low
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
     rr_depth: Option<u32>,
 

@@ -316,7 +316,7 @@ fn bench_scene(
             width: entry.settings.width,
             height: entry.settings.height,
             max_depth: entry.settings.max_depth.map_or(-1, i64::from),
-            rr_depth: entry.settings.rr_depth,
+            rr_depth: entry.scene.technique.rr_depth,
         };
         variants.push(Peer::variant(peer, &request, &args.output)?);
     }

@@ -13,7 +13,7 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     passes: &[PATHS, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Unbiased,
-    rr_depth: 5,
+    rr_depth: 1,
     correlated: Correlated::Nothing,
     tells_strategies: false,
     misses: &[Missing::NotConnectableToCamera],

@@ -70,7 +70,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
     passes: &[PRIMARY, MULTIPLEXED, PATHS, RESOLVE],
     solves: Solves::Everything,
     bias: Bias::Consistent("the mean that all visits of its chains are scaled by is estimated from the same paths"),
-    rr_depth: 5,
+    rr_depth: 1,
     correlated: Correlated::Samples,
     tells_strategies: false,
     misses: &[],

@@ -19,7 +19,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     passes: &[LIGHT, GRID_CLEAR, GRID_COUNT, GRID_ALLOT, GRID_FILL, CAMERA],
     solves: Solves::Everything,
     bias: Bias::Consistent("blurred by a radius that shrinks with every sample"),
-    rr_depth: 5,
+    rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],

@@ -73,7 +73,7 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
     bias: Bias::Biased(
         "surfaces are diffuse, and patches of them have one irradiance each, which smaller patches make exact",
     ),
-    rr_depth: 5,
+    rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[],

@@ -24,7 +24,7 @@ pub const VPL: TechniqueRow = TechniqueRow {
     passes: &[LIGHTS, CAMERA],
     solves: Solves::Everything,
     bias: Bias::Unbiased,
-    rr_depth: 5,
+    rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
     misses: &[Missing::DeltaCaustics],
