@@ -4,12 +4,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::{canon, settings, with_gpu};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use lumbre::bvh::{Bvh, CHUNK, primitive_bounds};
 use lumbre::layout::backend::Backend;
 use lumbre::layout::{HitRecord, INLINE_MAX, Primitive, RayRecord};
 use lumbre::render::{Probe, Settings};
-use lumbre::scene::SceneBuilder;
+use lumbre::scene::{Mesh, Scene, SceneBuilder};
 
 /// A small generator of reproducible numbers (Steele, Lea and Flood 2014, SplitMix64).
 struct Random(u64);
@@ -37,6 +37,56 @@ impl Random {
     }
 }
 
+/// Pairs of triangles that share their longest edge, folded at any angle: many rays pass through both.
+fn folds(random: &mut Random, count: usize) -> Scene {
+    let mut builder = SceneBuilder::new("folds");
+    let matte = builder.matte([0.5; 3]);
+    for index in 0..count {
+        let (a, b) = (random.in_cube(1.0), random.in_cube(1.0));
+        let mut side = || {
+            let middle = a.lerp(b, 0.3 + 0.4 * random.next());
+            middle + 0.3 * (b - a).length() * random.direction().cross((b - a).normalize())
+        };
+        let positions = vec![a, b, side(), side()];
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3]], ..Mesh::default() };
+        builder.mesh(0, &index.to_string(), mesh, DAffine3::IDENTITY, matte);
+    }
+    builder.finish().unwrap()
+}
+
+/// Every triangle of a mesh whose longest edges meet in twos is in a pair, the one after the other; triangles that share no edge stay alone, as do those of an
+/// edge that three share, but for one pair.
+#[test]
+fn leaves_hold_pairs_of_triangles() {
+    let mut random = Random(41);
+    let folded = folds(&mut random, 700);
+    let mut three = SceneBuilder::new("three");
+    let matte = three.matte([0.5; 3]);
+    let (a, b) = (DVec3::ZERO, DVec3::X);
+    let positions = vec![a, b, DVec3::new(0.5, 0.2, 0.0), DVec3::new(0.5, -0.2, 0.0), DVec3::new(0.5, 0.0, 0.2)];
+    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]], ..Mesh::default() };
+    three.mesh(0, "three", mesh, DAffine3::IDENTITY, matte);
+    let three = three.finish().unwrap();
+    for (scene, pairs, chunk) in [(&folded, 700, CHUNK), (&folded, 700, 100), (&three, 1, CHUNK)] {
+        let tree = Bvh::over_primitives(&scene.primitives, chunk, &|_| {});
+        tree.validate(&scene.primitives.iter().map(primitive_bounds).collect::<Vec<_>>()).unwrap();
+        assert_eq!(tree.paired.iter().filter(|paired| **paired).count(), pairs);
+        for slot in (0..tree.order.len()).filter(|slot| tree.paired[*slot]) {
+            let [before, later] = [slot - 1, slot].map(|slot| &scene.primitives[tree.order[slot] as usize]);
+            assert!(before.v1 == later.v2 && before.v2 == later.v1, "slot {slot}: {before:?}, {later:?}");
+            // Both are in one leaf.
+            let together = tree.nodes.iter().any(|node| {
+                (0..8).any(|child| {
+                    !node.is_child_empty(child)
+                        && node.is_leaf(child)
+                        && node.child_primitives(child) == (slot as u32 - 1, 2)
+                })
+            });
+            assert!(together, "slot {slot}");
+        }
+    }
+}
+
 /// A tiny scene's primitives as constants of the kernel answer bit for bit as the BVH does: triangles, both kinds, and as many spheres as fit.
 #[test]
 fn inline_primitives_answer_as_the_bvh_does() {
@@ -47,7 +97,10 @@ fn inline_primitives_answer_as_the_bvh_does() {
         spheres.sphere(0, &index.to_string(), random.in_cube(1.0), 0.05 + 0.2 * random.next(), matte);
     }
     let canon = |name| (name, canon(name, &[]));
-    for (name, scene) in [canon("cornell.xml"), canon("cornell_spheres.xml"), ("spheres", spheres.finish().unwrap())] {
+    let folds = ("folds", folds(&mut random, INLINE_MAX as usize / 2));
+    for (name, scene) in
+        [canon("cornell.xml"), canon("cornell_spheres.xml"), ("spheres", spheres.finish().unwrap()), folds]
+    {
         let bounds = scene.bounds;
         let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
         let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));

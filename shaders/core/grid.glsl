@@ -27,8 +27,8 @@ uint grid_index(vec3 coordinates) {
 
 GridPlace load_place(uint index) {
     if (!WIDE_LOADS) return GridPlaces(light_subpaths.grid_places).at[index];
-    Words64 words = Words64(light_subpaths.grid_places);
-    uvec2 first = unpack32(words.at[2u * index]), second = unpack32(words.at[2u * index + 1u]);
+    Words64 words = words_from(light_subpaths.grid_places, 2u * index);
+    uvec2 first = unpack32(words.at[0]), second = unpack32(words.at[1]);
     return GridPlace(uintBitsToFloat(uvec3(first, second.x)), second.y);
 }
 

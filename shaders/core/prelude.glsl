@@ -28,6 +28,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Wor
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Pairs { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Quads { uvec4 at[]; };
 
+// An array of words from one of them on: what is read of it then lies at constant distances from one address.
+Words64 words_from(uvec2 base, uint first) { return Words64(packUint2x32(base) + (uint64_t(first) << 3)); }
+
 // Distances begin at 0: whoever starts a ray on a surface moves its origin off that surface.
 struct Ray {
     vec3 origin;
@@ -46,12 +49,12 @@ struct Hit {
 Primitive load_primitive(uint index) {
     uvec2 w0, w1, w2, w3, w4;
     if (WIDE_LOADS) {
-        Words64 words = Words64(scene.primitives);
-        w0 = unpack32(words.at[5u * index]);
-        w1 = unpack32(words.at[5u * index + 1u]);
-        w2 = unpack32(words.at[5u * index + 2u]);
-        w3 = unpack32(words.at[5u * index + 3u]);
-        w4 = unpack32(words.at[5u * index + 4u]);
+        Words64 words = words_from(scene.primitives, 5u * index);
+        w0 = unpack32(words.at[0]);
+        w1 = unpack32(words.at[1]);
+        w2 = unpack32(words.at[2]);
+        w3 = unpack32(words.at[3]);
+        w4 = unpack32(words.at[4]);
     } else {
         Pairs pairs = Pairs(scene.primitives);
         w0 = pairs.at[5u * index];
@@ -61,6 +64,16 @@ Primitive load_primitive(uint index) {
         w4 = pairs.at[5u * index + 4u];
     }
     return Primitive(uintBitsToFloat(uvec3(w0, w1.x)), uintBitsToFloat(uvec3(w1.y, w2)), uintBitsToFloat(uvec3(w3, w4.x)), w4.y);
+}
+
+// Its first vertex alone.
+vec3 load_first_vertex(uint index) {
+    if (WIDE_LOADS) {
+        Words64 words = words_from(scene.primitives, 5u * index);
+        return uintBitsToFloat(uvec3(unpack32(words.at[0]), unpack32(words.at[1]).x));
+    }
+    Pairs pairs = Pairs(scene.primitives);
+    return uintBitsToFloat(uvec3(pairs.at[5u * index], pairs.at[5u * index + 1u].x));
 }
 
 // Entry `index` of a table. A short table lies in the uniform block and is picked from by comparison: a row of selects

@@ -16,11 +16,11 @@ const float LEAST_COSINE = 0.05;
 
 LightNode load_light_node(uint index) {
     if (!WIDE_LOADS) return LightNodes(scene.light_tree).at[index];
-    Words64 words = Words64(scene.light_tree);
-    uvec2 w0 = unpack32(words.at[4u * index]);
-    uvec2 w1 = unpack32(words.at[4u * index + 1u]);
-    uvec2 w2 = unpack32(words.at[4u * index + 2u]);
-    uvec2 w3 = unpack32(words.at[4u * index + 3u]);
+    Words64 words = words_from(scene.light_tree, 4u * index);
+    uvec2 w0 = unpack32(words.at[0]);
+    uvec2 w1 = unpack32(words.at[1]);
+    uvec2 w2 = unpack32(words.at[2]);
+    uvec2 w3 = unpack32(words.at[3]);
     return LightNode(uintBitsToFloat(uvec3(w0, w1.x)), uintBitsToFloat(w1.y), w2.x, w2.y, uintBitsToFloat(w3.x), w3.y);
 }
 

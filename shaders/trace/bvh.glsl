@@ -29,14 +29,10 @@ struct Node {
 
 Node load_node(uint index) {
     if (WIDE_LOADS) {
-        Words64 words = Words64(scene.nodes);
-        uint at = 10u * index;
-        uvec2 w0 = unpack32(words.at[at]);
-        uvec2 w1 = unpack32(words.at[at + 1u]);
-        uvec2 w2 = unpack32(words.at[at + 2u]);
-        return Node(uintBitsToFloat(uvec3(w0, w1.x)), w1.y, w2.x, w2.y, unpack32(words.at[at + 3u]), unpack32(words.at[at + 4u]),
-                    unpack32(words.at[at + 5u]), unpack32(words.at[at + 6u]), unpack32(words.at[at + 7u]),
-                    unpack32(words.at[at + 8u]), unpack32(words.at[at + 9u]));
+        Words64 words = words_from(scene.nodes, 10u * index);
+        uvec2 w0 = unpack32(words.at[0]), w1 = unpack32(words.at[1]), w2 = unpack32(words.at[2]);
+        return Node(uintBitsToFloat(uvec3(w0, w1.x)), w1.y, w2.x, w2.y, unpack32(words.at[3]), unpack32(words.at[4]), unpack32(words.at[5]),
+                    unpack32(words.at[6]), unpack32(words.at[7]), unpack32(words.at[8]), unpack32(words.at[9]));
     }
     Quads quads = Quads(scene.nodes);
     uint at = 5u * index;
@@ -162,9 +158,21 @@ bool traverse(Ray ray, const bool any, inout Nearest nearest, out uint nearest_i
                 COUNT(tested_primitives, 1u);
                 float t;
                 vec3 edges = vec3(0.0);
-                bool hit = is_sphere(primitive)
-                    ? sphere_hit(r.origin, r.direction, primitive.v0, primitive.v1.x, t)
-                    : triangle_hit(r.shear, r.origin, r.direction, primitive.v0, primitive.v1, primitive.v2, t, edges);
+                bool hit;
+                if (is_sphere(primitive)) {
+                    hit = sphere_hit(r.origin, r.direction, primitive.v0, primitive.v1.x, t);
+                } else if (HAS_PAIRS) {
+                    // A triangle without another is a pair with itself, whose second is never taken.
+                    bool paired = (primitive.surface & PAIR_BIT) != 0u;
+                    vec3 other = load_first_vertex(index - (paired ? 1u : 0u));
+                    bool first, second;
+                    hit = pair_hit(r.shear, r.origin, r.direction, primitive.v0, primitive.v1, primitive.v2, other, t, edges, first, second);
+                    // Where the line passes through both, the other one is left for the next turn.
+                    if (paired && !(first && second)) primitives.y &= ~(1u << (bit - 1u));
+                    index -= paired && !first ? 1u : 0u;
+                } else {
+                    hit = triangle_hit(r.shear, r.origin, r.direction, primitive.v0, primitive.v1, primitive.v2, t, edges);
+                }
                 // Of two at the same distance the smaller index wins, so that the order of the tests changes nothing.
                 bool closer = hit && t > 0.0 && (t < nearest.t || t == nearest.t && index < nearest.primitive);
                 nearest.t = closer ? t : nearest.t;

@@ -33,22 +33,51 @@ struct Nearest {
     vec3 edges; // edge functions of a triangle: divided by their sum, the barycentric weights
 };
 
-// Whether the ray's line passes through the triangle; then `t` is where (it may be infinite, where the triangle is seen
-// edge-on) and `edges` its edge functions. Those on an edge belong to both sides. Signs are compared as integers, where
-// every value without a sign bit is above every one with it, because a float's min and max must mind NaN.
-bool triangle_hit(Shear s, vec3 origin, vec3 direction, vec3 v0, vec3 v1, vec3 v2, out float t, out vec3 edges) {
-    vec2 a = project(s, origin, v0);
-    vec2 b = project(s, origin, v1);
-    vec2 c = project(s, origin, v2);
+// Twice the areas of the triangles that the origin of the plane makes with the edges of a projected one.
+vec3 edge_functions(vec2 a, vec2 b, vec2 c) {
     precise float e0 = c.x * b.y - c.y * b.x;
     precise float e1 = a.x * c.y - a.y * c.x;
     precise float e2 = b.x * a.y - b.y * a.x;
-    edges = vec3(e0, e1, e2);
-    vec3 n = triangle_normal(v0, v1, v2);
-    t = plane_distance(n, v0, origin) / fma(n.x, direction.x, fma(n.y, direction.y, n.z * direction.z));
+    return vec3(e0, e1, e2);
+}
+
+// Whether the ray's line passes through a triangle with these edge functions. Those on an edge belong to both sides. Signs are compared as
+// integers, where every value without a sign bit is above every one with it, because a float's min and max must mind NaN.
+bool edges_hit(vec3 edges) {
     ivec3 e = floatBitsToInt(edges);
     ivec3 negated = floatBitsToInt(-edges);
     return max(e.x, max(e.y, e.z)) <= 0 || max(negated.x, max(negated.y, negated.z)) <= 0;
+}
+
+// Where the ray's line meets the triangle's plane.
+float plane_hit(vec3 origin, vec3 direction, vec3 v0, vec3 v1, vec3 v2) {
+    vec3 n = triangle_normal(v0, v1, v2);
+    return plane_distance(n, v0, origin) / fma(n.x, direction.x, fma(n.y, direction.y, n.z * direction.z));
+}
+
+// Whether the ray's line passes through the triangle; then `t` is where (it may be infinite, where the triangle is seen
+// edge-on) and `edges` its edge functions.
+bool triangle_hit(Shear s, vec3 origin, vec3 direction, vec3 v0, vec3 v1, vec3 v2, out float t, out vec3 edges) {
+    edges = edge_functions(project(s, origin, v0), project(s, origin, v1), project(s, origin, v2));
+    t = plane_hit(origin, direction, v0, v1, v2);
+    return edges_hit(edges);
+}
+
+// Two triangles that lie on the two sides of the edge from v1 to v2, with the vertices v0 and `other` opposite it: what triangle_hit says of the first, or
+// of the second (v2 and v1 in that order after its own vertex), if the line passes through that alone. The bits are those of triangle_hit.
+bool pair_hit(Shear s, vec3 origin, vec3 direction, vec3 v0, vec3 v1, vec3 v2, vec3 other, out float t, out vec3 edges, out bool first, out bool second) {
+    vec2 a = project(s, origin, v0);
+    vec2 b = project(s, origin, v1);
+    vec2 c = project(s, origin, v2);
+    vec2 d = project(s, origin, other);
+    edges = edge_functions(a, b, c);
+    vec3 beyond = edge_functions(d, c, b);
+    first = edges_hit(edges);
+    second = edges_hit(beyond);
+    bool turned = second && !first;
+    edges = turned ? beyond : edges;
+    t = plane_hit(origin, direction, turned ? other : v0, turned ? v2 : v1, turned ? v1 : v2);
+    return first || second;
 }
 
 // Weights of the second and third vertex. Seen exactly edge-on they are undetermined, and any will do.

@@ -8,6 +8,7 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
 
+use super::Leaves;
 use super::bounds::Bounds;
 use super::partition::{Chunk, partition};
 use super::tree::{Bvh, depth_below, wide_tree};
@@ -23,7 +24,12 @@ impl<T: Boundable> Boundable for Member<'_, T> {
 
 /// The tree over `boxes` out of chunks of `most` at most. `done` is told, from any thread, how many boxes have found
 /// their place.
-pub(super) fn build<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Bvh {
+pub(super) fn build<T: Boundable + Sync>(
+    boxes: &[T],
+    leaves: Leaves,
+    most: usize,
+    done: &(dyn Fn(usize) + Sync),
+) -> Bvh {
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
     let chunks = partition(boxes, &mut order, most);
     let bounds: Vec<Bounds> = chunks.iter().map(|chunk| chunk.bounds).collect();
@@ -46,7 +52,7 @@ pub(super) fn build<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn F
             scope.spawn(|_| {
                 while let Some((index, (chunk, run))) = take() {
                     let members: Vec<_> = run.iter().map(|index| Member(&boxes[*index as usize])).collect();
-                    let tree = wide_tree(&members, 3);
+                    let tree = wide_tree(&members, leaves.most());
                     let names = run.to_vec();
                     run.iter_mut().zip(&tree.primitive_indices).for_each(|(out, name)| *out = names[*name as usize]);
                     joined.lock().unwrap_or_else(PoisonError::into_inner).add(index, chunk.first as u32, tree.nodes);
@@ -57,7 +63,7 @@ pub(super) fn build<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn F
     });
     nodes.shrink_to_fit();
     let depth = depth_below(&nodes);
-    Bvh { nodes, order, depth }
+    Bvh { nodes, order, paired: Vec::new(), depth }
 }
 
 /// The tree over the chunks' boxes, with a slot for the root of each chunk's tree, and where those slots are. A node's inner

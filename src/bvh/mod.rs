@@ -3,6 +3,7 @@
 
 mod bounds;
 mod chunked;
+mod pairs;
 mod partition;
 mod tree;
 
@@ -25,6 +26,38 @@ pub const CELL_MARGIN: f64 = 1.0 / 256.0;
 /// The most boxes that get a tree in one piece. Building takes some 300 bytes for each of them; more are cut into chunks.
 pub const CHUNK: usize = 1 << 19;
 
+/// What a leaf holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Leaves {
+    /// Up to three boxes.
+    Runs,
+    /// One box.
+    Single,
+}
+
+impl Leaves {
+    /// The most boxes in one.
+    fn most(self) -> u32 {
+        match self {
+            Self::Runs => 3,
+            Self::Single => 1,
+        }
+    }
+}
+
+fn build_tree<T: Boundable + Sync>(boxes: &[T], leaves: Leaves, most: usize, done: &(dyn Fn(usize) + Sync)) -> Bvh {
+    if boxes.is_empty() {
+        return Bvh { nodes: vec![CwBvhNode::default()], order: Vec::new(), paired: Vec::new(), depth: 1 };
+    }
+    if boxes.len() > most.max(1) {
+        return chunked::build(boxes, leaves, most, done);
+    }
+    let wide = wide_tree(boxes, leaves.most());
+    done(boxes.len());
+    let depth = depth_below(&wide.nodes);
+    Bvh { nodes: wide.nodes, order: wide.primitive_indices, paired: Vec::new(), depth }
+}
+
 impl Bvh {
     /// Builds a tree over boxes, or over primitives. No box at all gives a root without children.
     pub fn build<T: Boundable + Sync>(boxes: &[T]) -> Self {
@@ -34,16 +67,7 @@ impl Bvh {
     /// Builds a tree over boxes, or over primitives, in chunks of `most` boxes at most, where there are more. `done` is
     /// told from time to time, from any thread, how many boxes have found their place.
     pub fn build_in_chunks<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
-        if boxes.is_empty() {
-            return Self { nodes: vec![CwBvhNode::default()], order: Vec::new(), depth: 1 };
-        }
-        if boxes.len() > most.max(1) {
-            return chunked::build(boxes, most, done);
-        }
-        let wide = wide_tree(boxes, 3);
-        done(boxes.len());
-        let depth = depth_below(&wide.nodes);
-        Self { nodes: wide.nodes, order: wide.primitive_indices, depth }
+        build_tree(boxes, Leaves::Runs, most, done)
     }
 
     /// Checks that every box is in exactly one leaf, and that each child's decoded box, widened by [`CELL_MARGIN`] as

@@ -17,6 +17,8 @@ pub struct Bvh {
     pub nodes: Vec<CwBvhNode>,
     /// For each leaf slot, the index of the box that it holds: leaves refer to runs of slots.
     pub order: Vec<u32>,
+    /// For each slot, whether it and the one before hold a pair of triangles; empty where there are no pairs.
+    pub paired: Vec<bool>,
     /// Nodes on the longest way from the root to a leaf.
     pub depth: u32,
 }

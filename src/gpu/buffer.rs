@@ -38,12 +38,16 @@ impl Buffer {
 
     /// A buffer of the elements of `data` in the order of `indices`.
     pub fn gathered<T: Pod>(gpu: &Gpu, name: &str, data: &[T], indices: &[u32]) -> Result<Self> {
+        Self::generated(gpu, name, indices.len(), |slot| data[indices[slot] as usize])
+    }
+
+    /// A buffer of `count` elements, each of which `element` makes.
+    pub fn generated<T: Pod>(gpu: &Gpu, name: &str, count: usize, element: impl Fn(usize) -> T) -> Result<Self> {
         let size = size_of::<T>();
-        let buffer = Self::new(gpu, name, (size * indices.len()) as u64)?;
-        buffer.fill((size * indices.len()) as u64, size as u64, |offset, bytes| {
-            let first = offset as usize / size;
-            for (out, index) in bytes.chunks_exact_mut(size).zip(&indices[first..]) {
-                out.copy_from_slice(bytemuck::bytes_of(&data[*index as usize]));
+        let buffer = Self::new(gpu, name, (size * count) as u64)?;
+        buffer.fill((size * count) as u64, size as u64, |offset, bytes| {
+            for (out, slot) in bytes.chunks_exact_mut(size).zip(offset as usize / size..) {
+                out.copy_from_slice(bytemuck::bytes_of(&element(slot)));
             }
         })?;
         Ok(buffer)

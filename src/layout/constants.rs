@@ -25,11 +25,14 @@ shared_constants! {
     /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has vertex normals.
     pub const SMOOTH_BIT = 0x4000_0000;
     /// The bits of [`Primitive::surface`](super::Primitive::surface) that index the surfaces.
-    pub const SURFACE_MASK = 0x0fff_ffff;
+    pub const SURFACE_MASK = 0x07ff_ffff;
     /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has texture coordinates.
     pub const UV_BIT = 0x2000_0000;
     /// Flag on [`Primitive::surface`](super::Primitive::surface): the triangle has tangents.
     pub const TANGENT_BIT = 0x1000_0000;
+    /// Flag on [`Primitive::surface`](super::Primitive::surface), on the device alone: the triangle before shares this one's longest edge, and
+    /// leaves hold both.
+    pub const PAIR_BIT = 0x0800_0000;
 
     /// Flag on [`Material::flags`](super::Material::flags): microfacets mask each other with correlated heights.
     pub const MASKING_CORRELATED = 1;

@@ -104,6 +104,8 @@ settings! {
     sobol HAS_SOBOL: bool;
     /// Entries of the traversal stack.
     stack_size STACK_SIZE: uint;
+    /// Leaves of the tree hold pairs of triangles.
+    has_pairs HAS_PAIRS: bool;
     /// Primitives that the kernel holds as constants; 0 reads them from memory through the BVH.
     inline_count INLINE_COUNT: uint;
     /// Bit i: the i-th of them is a sphere, whose centre and radius are its first coordinates.

@@ -13,7 +13,7 @@ use crate::gpu::accel::{Blas, Placement, Tlas};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::backend::Backend;
 use crate::layout::{
-    self, ARRAY_NAMES, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, Primitive, SPHERE_BIT, SceneUniforms,
+    self, ARRAY_NAMES, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PAIR_BIT, Primitive, SPHERE_BIT, SceneUniforms,
     TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
 use crate::scene::compile::light::{importance, power};
@@ -33,6 +33,8 @@ pub struct DeviceScene {
     pub(super) tlas: Option<Tlas>,
     /// Entries that traversal needs of its stack (`bvh`).
     pub(super) stack_size: u32,
+    /// Leaves of the tree hold pairs of triangles (`bvh`).
+    pub(super) has_pairs: bool,
     /// Triangles that the kernel holds as constants.
     pub(super) inline: Vec<Primitive>,
     buffers: Vec<(&'static str, Buffer)>,
@@ -45,6 +47,8 @@ pub struct DeviceScene {
 struct Built {
     /// For each uploaded primitive, its index in the scene.
     order: Vec<u32>,
+    /// For each of them, whether it and the one before are a pair of triangles; empty where there are no pairs.
+    paired: Vec<bool>,
     instances: Vec<layout::Instance>,
     /// For each uploaded instance, its index in the scene.
     instance_order: Vec<u32>,
@@ -71,7 +75,11 @@ impl DeviceScene {
         watch(Building { doing: "uploading the scene", share: Some(0.0) });
         let mut buffers = Vec::new();
         // In the order of the tree's leaves: gathered on the way to the device, because a copy would double a large scene.
-        let primitives = Buffer::gathered(gpu, ARRAY_NAMES.primitives, &scene.primitives, &built.order)?;
+        let primitives = Buffer::generated(gpu, ARRAY_NAMES.primitives, built.order.len(), |slot| {
+            let primitive = scene.primitives[built.order[slot] as usize];
+            let pair = if built.paired.get(slot).is_some_and(|paired| *paired) { PAIR_BIT } else { 0 };
+            Primitive { surface: primitive.surface | pair, ..primitive }
+        })?;
         let corners = if scene.corners.is_empty() {
             None
         } else {
@@ -168,6 +176,7 @@ impl DeviceScene {
                 Vec::new()
             },
             buffers,
+            has_pairs: built.paired.contains(&true),
             order: built.order,
             instance_order: built.instance_order,
             structure_seconds,
@@ -259,13 +268,16 @@ fn instance(to_world: &DAffine3, root: u32, first_primitive: u32) -> layout::Ins
 
 fn build_bvh(scene: &Scene, needs: &Needs, chunk: usize, watch: Watch) -> Built {
     let mut order = Vec::with_capacity(scene.primitives.len());
+    let mut paired = Vec::new();
     let mut trees = Vec::new();
     for group in &scene.groups {
         let range = group.primitives();
         let told = |count| watch(Building::tree(range.start + count, scene.primitives.len()));
         told(0);
-        let mut tree = Bvh::build_in_chunks(&scene.primitives[range.clone()], chunk, &told);
+        let mut tree = Bvh::over_primitives(&scene.primitives[range.clone()], chunk, &told);
         order.extend(std::mem::take(&mut tree.order).into_iter().map(|slot| range.start as u32 + slot));
+        paired.append(&mut tree.paired);
+        paired.resize(order.len(), false);
         trees.push(tree);
     }
     let top = needs.instances.then(|| {
@@ -303,7 +315,7 @@ fn build_bvh(scene: &Scene, needs: &Needs, chunk: usize, watch: Watch) -> Built 
         }
         nodes.push(placed);
     }
-    Built { order, instances, instance_order, nodes, tlas: None, stack_size }
+    Built { order, paired, instances, instance_order, nodes, tlas: None, stack_size }
 }
 
 /// A box around a transformed box, a little outwards: traversal maps rays, not boxes, and rounds differently.
@@ -354,5 +366,13 @@ fn build_ray_query(gpu: &Gpu, scene: &Scene, watch: Watch) -> Result<Built> {
     }
     let tlas = Tlas::build(gpu, parts, &placements)?;
     let order = (0..scene.primitives.len() as u32).collect();
-    Ok(Built { order, instances, instance_order, nodes: Vec::new(), tlas: Some(tlas), stack_size: 1 })
+    Ok(Built {
+        order,
+        paired: Vec::new(),
+        instances,
+        instance_order,
+        nodes: Vec::new(),
+        tlas: Some(tlas),
+        stack_size: 1,
+    })
 }

@@ -33,8 +33,9 @@ impl Kernel {
 
     /// The values of the specialisation constants that all modules of a rendering get.
     fn constants(gpu: &Gpu, scene: &Scene, settings: &Settings, on_device: &DeviceScene) -> Result<Constants> {
-        let needs = on_device.needs;
-        constants(scene, settings, needs, gpu.survey().kind, on_device.stack_size, &on_device.inline)
+        let DeviceScene { stack_size, has_pairs, inline, .. } = on_device;
+        let structure = Structure { stack_size: *stack_size, has_pairs: *has_pairs, inline };
+        constants(scene, settings, on_device.needs, gpu.survey().kind, structure)
     }
 
     fn with_constants(
@@ -101,16 +102,25 @@ pub struct KernelSize {
     pub of: usize,
 }
 
-/// The values of all specialisation constants, as (id, bits). `needs` is what the kernel models of the scene; `stack_size` is in entries of the traversal stack; `inline` are the primitives that
-/// the kernel holds as constants.
+/// What a kernel must know of the structure that it traverses.
+struct Structure<'a> {
+    /// Entries of the stack.
+    stack_size: u32,
+    /// Leaves hold pairs of triangles.
+    has_pairs: bool,
+    /// The primitives that the kernel holds as constants.
+    inline: &'a [Primitive],
+}
+
+/// The values of all specialisation constants, as (id, bits). `needs` is what the kernel models of the scene.
 fn constants(
     scene: &Scene,
     settings: &Settings,
     needs: Needs,
     device: DeviceKind,
-    stack_size: u32,
-    inline: &[Primitive],
+    structure: Structure,
 ) -> Result<Constants> {
+    let inline = structure.inline;
     let [param0, param1, param2, param3] = settings.technique.words();
     let spheres = |first: usize| {
         let primitives = inline.iter().skip(first).take(32).enumerate();
@@ -127,7 +137,8 @@ fn constants(
         wide_loads: device == DeviceKind::Cpu,
         select_stack: device == DeviceKind::Cpu,
         unroll: device != DeviceKind::Cpu,
-        stack_size,
+        stack_size: structure.stack_size,
+        has_pairs: structure.has_pairs || !settings.specialise,
         inline_count: inline.len() as u32,
         inline_spheres: spheres(0),
         inline_spheres_high: spheres(32),
@@ -153,7 +164,16 @@ pub(super) fn module_names(settings: &Settings) -> Vec<String> {
 /// The modules of a rendering's passes and the values of their specialisation constants, as (id, bits), as they are for a device of this kind.
 /// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left.
 pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Constants)> {
-    Ok((module_names(settings), constants(scene, settings, settings.needs(scene), device, 1, &[])?))
+    Ok((
+        module_names(settings),
+        constants(
+            scene,
+            settings,
+            settings.needs(scene),
+            device,
+            Structure { stack_size: 1, has_pairs: false, inline: &[] },
+        )?,
+    ))
 }
 
 /// How much of each of these modules is left, found without a device.
