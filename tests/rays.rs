@@ -3,11 +3,11 @@
 use crate::common::sampling::spread;
 use crate::common::{backends, canon, settings, with_gpu};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use lumbre::bvh::{Bvh, CELL_MARGIN};
+use lumbre::bvh::{Bvh, CELL_MARGIN, CHUNK};
 use lumbre::gpu::Gpu;
 use lumbre::layout::backend::Backend;
 use lumbre::layout::{NODE_BYTES, Primitive, RayRecord, TraversalCount};
-use lumbre::rays::{RayKind, make, measure, shuffle};
+use lumbre::rays::{self, RayKind, export, make, measure, shuffle};
 use lumbre::render::{Probe, Settings};
 use lumbre::scene::{Mesh, Scene, SceneBuilder};
 
@@ -147,6 +147,11 @@ fn walk(tree: &Bvh, scene: &Scene, ray: &RayRecord) -> TraversalCount {
     TraversalCount { closest_nodes, closest_primitives, any_nodes, any_primitives }
 }
 
+/// The tree that is traversed.
+fn tree_of(scene: &Scene) -> Bvh {
+    Bvh::over_primitives(&scene.primitives, CHUNK, &|_| {})
+}
+
 fn sums(counts: &[TraversalCount]) -> [f64; 4] {
     counts.iter().fold([0.0; 4], |sums, count| {
         let values = [count.closest_nodes, count.closest_primitives, count.any_nodes, count.any_primitives];
@@ -158,7 +163,7 @@ fn sums(counts: &[TraversalCount]) -> [f64; 4] {
 fn counts_are_those_of_a_traversal_on_the_cpu() {
     let scene = soup(3000, &[]);
     let rays = rays(20_000);
-    let tree = Bvh::build(&scene.primitives);
+    let tree = tree_of(&scene);
     let expected: Vec<TraversalCount> = rays.iter().map(|ray| walk(&tree, &scene, ray)).collect();
     with_gpu(|gpu| {
         let found = count(gpu, &scene, &settings(&scene, "path", Backend::Bvh), &rays);
@@ -192,7 +197,7 @@ fn counts_of_one_leaf_of_instances_and_of_constants() {
         // One triangle: its node is read for every ray, and it is tested where the ray meets its box.
         let read = Settings { expected_samples: 1, ..settings(&alone, "path", Backend::Bvh) };
         let found = count(gpu, &alone, &read, &rays);
-        let tree = Bvh::build(&alone.primitives);
+        let tree = tree_of(&alone);
         assert_eq!(tree.nodes.len(), 1);
         assert!(found.iter().all(|count| count.closest_nodes == 1 && count.any_nodes == 1));
         let met = |counts: &[TraversalCount]| counts.iter().filter(|count| count.closest_primitives == 1).count();
@@ -208,7 +213,7 @@ fn counts_of_one_leaf_of_instances_and_of_constants() {
 
         // Two placements: every ray reads the upper level's node, and none more than all of both.
         let found = count(gpu, &placed, &settings(&placed, "path", Backend::Bvh), &rays);
-        let nodes = 1 + 2 * Bvh::build(&placed.primitives).nodes.len() as u32;
+        let nodes = 1 + 2 * tree_of(&placed).nodes.len() as u32;
         assert!(found.iter().all(|count| (1..=nodes).contains(&count.closest_nodes)));
         assert!(
             found.iter().all(|count| count.any_nodes <= count.closest_nodes.max(1) && count.closest_primitives <= 800)
@@ -261,7 +266,8 @@ fn a_measurement_says_what_the_structure_takes() {
     let scene = canon("cornell.xml", &[]);
     with_gpu(|gpu| {
         let backends = backends(gpu);
-        let found = measure(gpu, &scene, &backends, (32, 32), 2).unwrap();
+        let kinds = make(gpu, &scene, &rays::settings(&scene, Backend::Bvh, (32, 32)).unwrap()).unwrap();
+        let found = measure(gpu, &scene, &backends, (32, 32), &kinds, 2).unwrap();
         assert_eq!((found.schema, found.primitives), ("lumbre-rays-2", scene.primitives.len()));
         assert_eq!((found.structures.len(), found.throughput.len()), (backends.len(), 3 * backends.len()));
         for (backend, structure) in backends.iter().zip(&found.structures) {
@@ -270,7 +276,7 @@ fn a_measurement_says_what_the_structure_takes() {
             assert_eq!(structure.bytes_per_primitive, structure.bytes as f64 / scene.primitives.len() as f64);
             match backend {
                 Backend::Bvh => {
-                    let nodes = Bvh::build(&scene.primitives).nodes.len();
+                    let nodes = tree_of(&scene).nodes.len();
                     assert_eq!(structure.bytes, nodes as u64 * u64::from(NODE_BYTES));
                     assert_eq!(structure.compiled_in, scene.primitives.len());
                 }
@@ -285,6 +291,19 @@ fn a_measurement_says_what_the_structure_takes() {
             let expected = (row.backend == "bvh").then_some((0.0, all as f64, all as u32));
             assert_eq!(counted, expected, "{} {:?}", row.backend, row.kind);
         }
+        let file = tempfile::NamedTempFile::new().unwrap();
+        export(&scene, &kinds, file.path()).unwrap();
+        let bytes = std::fs::read(file.path()).unwrap();
+        let head = "lumbre-rays-1\ntriangles 38\nprimary 1024 closest\nshadow ";
+        assert!(bytes.starts_with(head.as_bytes()));
+        let body = bytes.windows(5).position(|window| window == b"\nend\n").unwrap() + 5;
+        let rays: usize = kinds.iter().map(|(_, rays)| rays.len()).sum();
+        assert_eq!(bytes.len() - body, 36 * scene.primitives.len() + 28 * rays);
+        let first: [f32; 3] = bytemuck::pod_read_unaligned(&bytes[body..body + 12]);
+        assert_eq!(first, scene.primitives[0].v0);
+        let spheres = canon("cornell_spheres.xml", &[]);
+        let refused = export(&spheres, &kinds, file.path()).unwrap_err().to_string();
+        assert!(refused.contains("this one has spheres"), "{refused}");
         let text = serde_json::to_value(&found).unwrap();
         assert_eq!(text["throughput"][0]["kind"], "primary");
         assert!(text["throughput"][0]["shuffled_runs"].is_array());

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use lumbre::error::{Bytes, Error, Result};
+use lumbre::files::check_writable;
 use lumbre::layout::backend::{BACKENDS, Backend};
-use lumbre::rays::{Measurement, PerRay, measure};
+use lumbre::rays::{Measurement, PerRay, export, make, measure, settings};
 
 use super::args::{DeviceArgs, SceneArgs, choose_backend, parse_size};
 use super::output::{check_json, print, print_warnings, write_json};
@@ -28,6 +29,11 @@ pub(super) struct RaysArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeats: u32,
 
+    /// Write the triangles and the rays as well, for other ray tracers to be measured with
+    /// (benches/against_embree.py)
+    #[arg(long, value_name = "FILE")]
+    export: Option<PathBuf>,
+
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -38,6 +44,7 @@ pub(super) struct RaysArgs {
 
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
     check_json(args.json.as_deref())?;
+    args.export.as_deref().map_or(Ok(()), check_writable)?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
     let gpu = args.device.open()?;
@@ -49,7 +56,12 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
     if scene.primitives.is_empty() {
         return Err(Error::Usage(format!("{} has no geometry to trace rays against", scene.source.display())));
     }
-    let found = measure(&gpu, &scene, &backends, args.size, args.repeats as usize)?;
+    let first = backends.first().copied().unwrap_or(Backend::Bvh);
+    let kinds = make(&gpu, &scene, &settings(&scene, first, args.size)?)?;
+    if let Some(path) = &args.export {
+        export(&scene, &kinds, path)?;
+    }
+    let found = measure(&gpu, &scene, &backends, args.size, &kinds, args.repeats as usize)?;
     if let Some(path) = &args.json {
         write_json(path, &found)?;
     }

@@ -3,6 +3,7 @@
 //! One set of rays is made for a scene and traced by every backend, from memory and with nothing else in the kernel: once in the
 //! order of the image, where neighbouring threads trace similar rays, and once shuffled, where they do not.
 
+mod export;
 mod sets;
 
 use serde::Serialize;
@@ -14,6 +15,7 @@ use crate::layout::{RayRecord, TraversalCount};
 use crate::render::{Probe, Settings, Technique};
 use crate::scene::Scene;
 
+pub use export::export;
 pub use sets::{RayKind, make, shuffle};
 
 /// What one backend did with one kind of ray.
@@ -132,27 +134,27 @@ impl RayProbe {
     }
 }
 
+/// The settings with which rays of an image of this size are made and traced.
+pub fn settings(scene: &Scene, backend: Backend, (width, height): (u32, u32)) -> Result<Settings> {
+    Ok(Settings { width, height, ..Settings::new(scene, Technique::parse("path")?, backend) })
+}
+
 /// Traces each kind of ray `repeats` times on each backend, in order and shuffled, in turn, after one run that does not count.
 pub fn measure(
     gpu: &Gpu,
     scene: &Scene,
     backends: &[Backend],
     size: (u32, u32),
+    kinds: &[(RayKind, Vec<RayRecord>)],
     repeats: usize,
 ) -> Result<Measurement> {
-    let settings = |backend| -> Result<Settings> {
-        let mut settings = Settings::new(scene, Technique::parse("path")?, backend);
-        (settings.width, settings.height) = size;
-        Ok(settings)
-    };
-    let kinds = make(gpu, scene, &settings(backends.first().copied().unwrap_or(Backend::Bvh))?)?;
     let mut probes = Vec::new();
     for backend in backends {
-        probes.push(RayProbe::new(gpu, scene, &settings(*backend)?)?);
+        probes.push(RayProbe::new(gpu, scene, &settings(scene, *backend, size)?)?);
     }
     let mut throughput = Vec::new();
     for (kind, rays) in kinds {
-        throughput.extend(trace(gpu, &probes, kind, &rays, repeats)?);
+        throughput.extend(trace(gpu, &probes, *kind, rays, repeats)?);
     }
     Ok(Measurement {
         schema: "lumbre-rays-2",

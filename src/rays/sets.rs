@@ -20,6 +20,17 @@ pub enum RayKind {
     DiffuseBounce,
 }
 
+impl RayKind {
+    /// Its name, as in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::DiffuseBounce => "diffuse-bounce",
+        }
+    }
+}
+
 /// The rays of each kind in the order of the pixels that they come from; those of paths that left the scene are taken out.
 pub fn make(gpu: &Gpu, scene: &Scene, settings: &Settings) -> Result<Vec<(RayKind, Vec<RayRecord>)>> {
     let slots = settings.slots() as u32;
