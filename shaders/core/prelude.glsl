@@ -92,6 +92,11 @@ Instance load_instance(uint index) { return Instances(scene.instances).at[index]
 // Entries of the light table: compiled in, or, in a kernel that models everything, read.
 uint light_count() { return LIGHT_COUNT == NONE ? scene.light_count : LIGHT_COUNT; }
 
+// The larger, and the smaller, of a number and one that is not negative. As integers, floats without a sign bit keep their order and those with it are
+// below all of them: a float's own min and max must mind NaN.
+float at_least(float x, float least) { return intBitsToFloat(max(floatBitsToInt(x), floatBitsToInt(least))); }
+float at_most(float x, float most) { return intBitsToFloat(min(floatBitsToInt(x), floatBitsToInt(most))); }
+
 bool is_sphere(Primitive primitive) { return HAS_SPHERES && (primitive.surface & SPHERE_BIT) != 0u; }
 
 // So many turns of a loop whose body is to stand in the kernel once: a number that the compiler of a CPU device cannot see, so that it does

@@ -27,33 +27,42 @@ LightNode load_light_node(uint index) {
 // A bound on cos(max(0, a - b)) from the cosine of a and the sine of b <= pi/2, without another root: where cos a >= 0, cos(b) <= 1
 // and sin(a) <= 1; elsewhere also cos(b) >= 1 - sin^2(b).
 float cosine_less(float cos_a, float sin_b) {
-    return min(1.0, (cos_a < 0.0 ? cos_a * (1.0 - sin_b * sin_b) : cos_a) + sin_b);
+    return at_most((cos_a < 0.0 ? cos_a * (1.0 - sin_b * sin_b) : cos_a) + sin_b, 1.0);
+}
+
+// 1 / sqrt(x) for the squared length x of a point of the octahedron |x| + |y| + |z| = 1, from 1/3 to 1, to 4e-5: two steps of Newton's method take a
+// fraction of a root and a division.
+float octahedron_inverse_length(float x) {
+    float y = 1.98 - 1.03 * x;
+    y *= 1.5 - 0.5 * x * y * y;
+    return y * (1.5 - 0.5 * x * y * y);
 }
 
 // Bound on the irradiance of the lights of a node at the reference point, but for a factor that all nodes share
 // (Conty Estevez and Kulla 2018, equation 3, with cosine_less in place of exact angles); `p` is the reference point in the tree's coordinates.
 float light_importance(LightNode node, ReferencePoint r, vec3 p) {
     vec3 d = node.centre - p;
-    float distance2 = max(max(dot(d, d), node.radius * node.radius), 1e-30);
+    float distance2 = at_least(at_least(dot(d, d), node.radius * node.radius), 1e-30);
     float inverse = inversesqrt(distance2);
-    float seen = min(1.0, node.radius * inverse); // sine of half the angle under which the lights are seen
+    float seen = at_most(node.radius * inverse, 1.0); // sine of half the angle under which the lights are seen
 
-    // The axis lies on an octahedron; its length is made up for together with that of d.
+    // The axis lies on an octahedron.
     int bits = int(node.axis);
     vec2 folded = vec2(bits << 20 >> 20, bits << 8 >> 20) * (1.0 / 2047.0);
     float spread = float(bits >> 24) * (1.0 / 127.0);
     float z = 1.0 - abs(folded.x) - abs(folded.y);
-    float fold = max(-z, 0.0);
+    float fold = at_least(-z, 0.0);
     vec3 axis = vec3(folded.x + (folded.x < 0.0 ? fold : -fold), folded.y + (folded.y < 0.0 ? fold : -fold), z);
-    float off_axis = clamp(-dot(axis, d) * inversesqrt(dot(axis, axis) * distance2), -1.0, 1.0);
-    vec2 facing = unpackSnorm2x16(node.facing); // cosine and sine of the cone's half angle
-    float off_cone = off_axis >= facing.x ? 1.0 : off_axis * facing.x + sqrt(1.0 - off_axis * off_axis) * facing.y;
+    float off_axis = -dot(axis, d) * inverse * octahedron_inverse_length(dot(axis, axis));
+    int cone = int(node.facing); // cosine and sine of the cone's half angle
+    vec2 facing = vec2(cone << 16 >> 16, cone >> 16) * (1.0 / 32767.0);
+    float off_cone = off_axis >= facing.x ? 1.0 : off_axis * facing.x + sqrt(at_least(1.0 - off_axis * off_axis, 0.0)) * facing.y;
     float shed = cosine_less(off_cone, seen);
 
     float cosine = dot(r.normal, d) * inverse;
     float received = r.normal == vec3(0.0) ? 1.0 : cosine_less(r.both ? abs(cosine) : cosine, seen);
     bool dark = shed < spread - DARK || received < -DARK;
-    return dark ? 0.0 : node.intensity * inverse * inverse * max(shed, DARK) * max(received, LEAST_COSINE);
+    return dark ? 0.0 : node.intensity * inverse * inverse * at_least(shed, DARK) * at_least(received, LEAST_COSINE);
 }
 
 vec3 light_tree_position(ReferencePoint r) { return (r.position - scene.light_tree_origin) * scene.light_tree_scale; }
@@ -76,8 +85,8 @@ uint light_tree_sample(ReferencePoint r, vec2 u, out float probability) {
         bool second = u.x < share;
         // What is left of the number is uniform again. Both numbers take turns, for each has only 24 bits to give.
         float chance = share < 0.0 ? 0.0 : (second ? share : 1.0 - share);
-        float rest = second ? u.x / share : (u.x - max(share, 0.0)) / max(chance, 1e-30);
-        u = vec2(u.y, min(rest, 0.99999994));
+        float rest = (second ? u.x : u.x - at_least(share, 0.0)) / at_least(chance, 1e-30);
+        u = vec2(u.y, at_most(rest, 0.99999994));
         probability *= chance;
         link = second ? b.link : a.link;
     }
