@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""`lumbre rays` against Embree: the same rays against the same triangles, in turns, on the same number of threads.
+"""`lumbre rays` against Embree: the same rays against the same triangles, in turns, on the same number of threads
+(of lavapipe).
 
     benches/against_embree.py SCENE...  [--size 512x512] [--turns 5] [--threads 2] [--lumbre target/release/lumbre]
 
 needs g++ and Embree 3 or 4 with its headers (Debian: libembree-dev). Mrays/s are medians over the turns; `single` is rtcIntersect1 or, for shadow
 rays, rtcOccluded1, `packets` is rtcIntersect16 or rtcOccluded16, told that primary rays in the order of the image are coherent. The time of building is that of
-rtcCommitScene and of lumbre's tree, its upload included. Fails where the two do not hit the same share of the rays.
+rtcCommitScene (robust) and of lumbre's tree, its upload included. Fails where the two do not hit the same share of the rays.
 """
 import argparse
 import json
@@ -30,9 +31,10 @@ def build(folder):
     sys.exit(f"benches/peers/embree.cpp does not compile; is Embree installed (Debian: libembree-dev)?\n{done.stderr}")
 
 
-def lumbre_rays(program, scene, size, more):
+def lumbre_rays(program, scene, size, threads, more):
     """One turn: {(kind, in order): (Mrays/s, share that hits)} and seconds of building."""
-    done = subprocess.run([program, "rays", scene, "--size", size, "--repeats", "1", "--json", "-", *more], capture_output=True, text=True)
+    command = [program, "rays", scene, "--size", size, "--repeats", "1", "--json", "-", *more]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "LP_NUM_THREADS": str(threads)})
     if done.returncode:
         sys.exit(done.stderr.strip())
     found = json.loads(done.stdout)
@@ -63,10 +65,10 @@ def main():
         embree = build(Path(folder))
         file = Path(folder) / "rays"
         for scene in args.scenes:
-            lumbre_rays(args.lumbre, scene, args.size, ["--export", str(file)])
+            lumbre_rays(args.lumbre, scene, args.size, args.threads, ["--export", str(file)])
             ours, theirs, built, their_build = {}, {}, {}, []
             for _ in range(args.turns):
-                rates, seconds, primitives = lumbre_rays(args.lumbre, scene, args.size, [])
+                rates, seconds, primitives = lumbre_rays(args.lumbre, scene, args.size, args.threads, [])
                 for key, value in rates.items():
                     ours.setdefault(key, []).append(value)
                 for backend, value in seconds.items():
@@ -85,7 +87,7 @@ def report(scene, primitives, ours, theirs, built, their_build, renderer):
     print(f"built in s: {seconds}, Embree {statistics.median(their_build):.3f}")
     print("| rays | order | " + " | ".join(backends) + " | single | packets | bvh over single | bvh over packets |")
     print("|---|---|" + "---|" * (len(backends) + 4))
-    for kind in ("primary", "shadow", "diffuse-bounce"):
+    for kind in dict.fromkeys(kind for _, kind, _ in ours):
         for in_order in (True, False):
             rate = lambda found, key: statistics.median(value[0] for value in found[key, kind, in_order])
             columns = [rate(ours, backend) for backend in backends] + [rate(theirs, False), rate(theirs, True)]

@@ -44,8 +44,7 @@ class Room:
         image.save(self.target / file)
         raw = raw or channel is not None
         flag = '<boolean name="raw" value="true"/>' if raw else ""
-        flip = '<transform name="to_uv"><scale x="1" y="-1"/></transform>'
-        return lambda role: f'<texture type="bitmap" name="{role}"><string name="filename" value="{file}"/>{flag}{flip}</texture>'
+        return lambda role: f'<texture type="bitmap" name="{role}"><string name="filename" value="{file}"/>{flag}</texture>'
 
     def material(self, index):
         material = self.json["materials"][index]

@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::common::sampling::{Findings, Rings, chi_square_z, numbers, spread};
-use crate::common::{settings, with_gpu};
+use crate::common::{canon, room, scene_path, settings, with_gpu};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2};
 use lumbre::gpu::Gpu;
 use lumbre::image::{Texels, TextureImage};
 use lumbre::layout::backend::Backend;
 use lumbre::layout::{LightAnswer, LightQuery};
-use lumbre::render::Probe;
+use lumbre::render::{Probe, Technique};
 use lumbre::scene::light::{Falloff, Lamp};
 use lumbre::scene::texture::{Pattern, TextureDescription, Wrap};
 use lumbre::scene::{Mesh, Scene, SceneBuilder, SurfaceDescription};
@@ -707,4 +707,27 @@ fn lights_on_each_other_are_one() {
     assert_eq!(lights(&[(back, false), (front, true), (front, false)]), (2, 2));
     // The front of the second lies on the first; the third is the second's back.
     assert_eq!(lights(&[(front, false), (front, true), (back, false)]), (2, 2));
+}
+
+/// What is rendered where neither the user nor the file names a technique: lights without extent make caustics of what reflects narrowly, and path
+/// tracing would leave those out or show them as rare, bright samples.
+#[test]
+fn the_technique_by_default_finds_the_light() {
+    let chosen = |light: &str, material: &str| {
+        let scene = room::scene(&format!("{light}<shape type='sphere'>{material}</shape><shape type='rectangle'/>"));
+        Technique::of_scene(&scene, None).unwrap().row.name
+    };
+    let point = "<emitter type='point'/>";
+    let sky = "<emitter type='constant'/>";
+    let (glass, metal) =
+        ("<bsdf type='dielectric'/>", "<bsdf type='roughconductor'><float name='alpha' value='0.01'/></bsdf>");
+    assert_eq!(chosen(point, ""), "path");
+    assert_eq!(chosen(point, glass), "bdpt");
+    assert_eq!(chosen(point, metal), "bdpt");
+    assert_eq!(chosen(sky, glass), "path");
+    let room = lumbre::scene::load(&scene_path("gltf_room/room.gltf"), &Default::default()).unwrap();
+    assert_eq!(Technique::of_scene(&room, None).unwrap().row.name, "bdpt");
+    let asked = Technique::parse("vcm").unwrap();
+    assert_eq!(Technique::of_scene(&room, Some(asked)).unwrap().row.name, "vcm");
+    assert_eq!(Technique::of_scene(&canon("cornell.xml", &[]), None).unwrap().row.name, "path");
 }

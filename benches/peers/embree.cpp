@@ -158,6 +158,7 @@ int main(int count, char** arguments) {
     }
     rtcCommitGeometry(geometry);
     RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); // no ray slips between neighbours, as in lumbre
     rtcAttachGeometry(scene, geometry);
     const auto start = std::chrono::steady_clock::now();
     rtcCommitScene(scene);

@@ -36,18 +36,18 @@ impl Boundable for Unit<'_> {
 }
 
 impl Bvh {
-    /// Builds a tree over primitives, with a pair of triangles or another primitive in each leaf, in chunks of `most` of those at most.
-    /// The triangles of a pair follow each other in `order`, and `paired` tells which slot holds the later one. `done` is told from time to
+    /// Builds a tree over primitives, with a pair of triangles or another primitive in each leaf if at least half of the primitives are in pairs,
+    /// in chunks of `most` of those at most. The triangles of a pair follow each other in `order`, and `paired` tells which slot holds the later one. `done` is told from time to
     /// time, from any thread, how many primitives have found their place.
     pub fn over_primitives(primitives: &[Primitive], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
         let units = units(primitives);
-        let per_unit = primitives.len() as f64 / units.len().max(1) as f64;
-        let done = |count: usize| done((count as f64 * per_unit) as usize);
-        let leaves = if units.len() == primitives.len() { Leaves::Runs } else { Leaves::Single };
-        let mut tree = build_tree(&units, leaves, most, &done);
-        if leaves == Leaves::Single {
-            hold_pairs(&mut tree, &units);
+        // Runs of up to three single triangles make fewer nodes than leaves of one, so pairs must be many.
+        if 4 * units.len() > 3 * primitives.len() {
+            return build_tree(primitives, Leaves::Runs, most, done);
         }
+        let done = |count: usize| done(count * primitives.len() / units.len());
+        let mut tree = build_tree(&units, Leaves::Single, most, &done);
+        hold_pairs(&mut tree, &units);
         tree
     }
 }

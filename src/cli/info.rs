@@ -33,7 +33,7 @@ pub(super) struct InfoArgs {
     #[arg(value_name = "MORE", requires = "missing")]
     more: Vec<PathBuf>,
 
-    /// Technique to warn about where the scene has light that it cannot sample; by default the scene's, or path
+    /// Technique to warn about where the scene has light that it cannot sample; by default the one that render takes
     #[arg(short = 'i', long, value_name = "NAME")]
     integrator: Option<String>,
 

@@ -46,7 +46,7 @@ pub struct Throughput {
 pub struct Tested {
     /// Nodes read, each with the boxes of its eight children.
     pub nodes: PerRay,
-    /// Triangles and spheres.
+    /// Triangles, of which a pair is one, and spheres.
     pub primitives: PerRay,
 }
 

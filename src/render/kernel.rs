@@ -162,7 +162,7 @@ pub(super) fn module_names(settings: &Settings) -> Vec<String> {
 }
 
 /// The modules of a rendering's passes and the values of their specialisation constants, as (id, bits), as they are for a device of this kind.
-/// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left.
+/// Triangles are not in the kernels, and the traversal stack has one entry: neither changes which code is left. Leaves hold pairs, as those of most meshes do.
 pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Result<(Vec<String>, Constants)> {
     Ok((
         module_names(settings),
@@ -171,7 +171,7 @@ pub fn modules_of(scene: &Scene, settings: &Settings, device: DeviceKind) -> Res
             settings,
             settings.needs(scene),
             device,
-            Structure { stack_size: 1, has_pairs: false, inline: &[] },
+            Structure { stack_size: 1, has_pairs: true, inline: &[] },
         )?,
     ))
 }

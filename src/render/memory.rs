@@ -217,8 +217,8 @@ fn placements(gpu: &Gpu, scene: &Scene) -> u64 {
     scene.instances.iter().map(|placed| of_group(&scene.groups[placed.group]) as u64).sum()
 }
 
-/// Nodes of a tree over so many primitives. The builder puts ten primitives on each node, in all of the canon's meshes and
-/// in large ones to within a few percent.
+/// Nodes of a tree over so many primitives. The builder puts ten primitives on each node to within a few percent, where it makes no pairs of
+/// them; twelve where all are in pairs, and eight where just enough are.
 fn estimated_nodes(primitives: u64) -> u64 {
     1 + primitives / 10
 }

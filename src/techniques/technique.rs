@@ -89,8 +89,8 @@ impl Technique {
         words
     }
 
-    /// The technique that is asked for, else the one that the scene's file asks for, else path tracing. Fails where the file asks for one that
-    /// there is not.
+    /// The technique that is asked for, else the one that the scene's file asks for, else path tracing, or, where that would leave out
+    /// caustics of lights without extent or show them as rare, bright samples, bidirectional path tracing. Fails where the file asks for one that there is not.
     pub fn of_scene(scene: &Scene, asked: Option<Self>) -> Result<Self> {
         match (asked, &scene.technique.integrator) {
             (Some(technique), _) => Ok(technique),
@@ -101,7 +101,12 @@ impl Technique {
             }
             (None, None) => match &scene.technique.refused {
                 Some(refused) => Err(Error::Usage(format!("{refused}; -i chooses another technique"))),
-                None => Self::parse("path"),
+                None => {
+                    let path = Self::parse("path")?;
+                    let suits =
+                        !scene.has_delta_lights() || path.misses(scene).is_none() && path.finds_rarely(scene).is_none();
+                    if suits { Ok(path) } else { Self::parse("bdpt") }
+                }
             },
         }
     }

@@ -11,7 +11,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use lumbre::bvh::Bvh;
+use lumbre::bvh::{Bvh, CHUNK};
 use lumbre::layout::SURFACE_MASK;
 use lumbre::scene::{LoadOptions, Needs, Scene};
 
@@ -337,7 +337,7 @@ fn check_scene(scene: &Scene) {
         // Larger trees take their time and nothing new.
         if primitives.len() <= 2000 {
             let boxes: Vec<_> = primitives.iter().map(lumbre::bvh::primitive_bounds).collect();
-            Bvh::build(&boxes).validate(&boxes).unwrap();
+            Bvh::over_primitives(primitives, CHUNK, &|_| {}).validate(&boxes).unwrap();
         }
     }
 }

@@ -21,7 +21,7 @@ uint shadow_rays() { return uint(SHADOW_RAYS); }
 struct Branch {
     Ray ray;
     vec3 throughput, absorption;
-    float eta;
+    float eta, dimming;
     uint depth;
     Cone cone;
 };
@@ -29,7 +29,7 @@ const uint ROOM = 12u;
 Branch stack[ROOM];
 uint waiting = 0u;
 
-void put_aside(Path path) { stack[waiting++] = Branch(path.ray, path.throughput, path.absorption, path.eta, path.depth, path.cone); }
+void put_aside(Path path) { stack[waiting++] = Branch(path.ray, path.throughput, path.absorption, path.eta, path.dimming, path.depth, path.cone); }
 
 // Takes up a branch that waits, with random numbers that nothing has used.
 void take_up(inout Path path) {
@@ -39,6 +39,7 @@ void take_up(inout Path path) {
     path.throughput = branch.throughput;
     path.absorption = branch.absorption;
     path.eta = branch.eta;
+    path.dimming = branch.dimming;
     path.depth = branch.depth;
     path.cone = branch.cone;
     path.delta = true; // two lobes are of deltas alone

@@ -7,6 +7,7 @@ use super::light::{area, power};
 use super::light_tree::{self, LightTree};
 use crate::layout::{LIGHT_DIRECTIONAL, LIGHT_LEAF_BIT, LIGHT_SPHERE, Light, Primitive, SURFACE_MASK, Surface};
 use crate::scene::LightSelection;
+use crate::scene::description::ELEMENTS;
 
 /// Lights from which on a tree is worth its descent.
 const MANY: usize = 32;
@@ -124,4 +125,5 @@ fn own_surface(surfaces: &mut Vec<Surface>, primitive: &mut Primitive) -> usize 
     own
 }
 
+const _: () = assert!(ELEMENTS <= SURFACE_MASK as u64 + 1, "each triangle can have a surface of its own");
 const _: () = assert!(LIGHT_LEAF_BIT > SURFACE_MASK, "a light's index fits beside the leaf bit");
