@@ -274,7 +274,7 @@ fn info_tells_of_light() {
     std::fs::write(folder.path().join("hidden.xml"), scene).unwrap();
     for (args, warning) in [
         (
-            "",
+            "-i path",
             "path does not find caustics of points, spots, projectors and parallel light: the image lacks it; sampled by",
         ),
         ("-i photon", ""),
