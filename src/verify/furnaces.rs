@@ -239,15 +239,15 @@ fn bright(albedo: f64) -> Result<Scene> {
 /// on throughput, which has no such limit.
 pub(super) fn roulette(run: &mut Run) -> Result<()> {
     let all = [
-        (0.99, "path", 5, 1000),
+        (0.99, "path", 1, 1000),
         (0.99, "path", 2000, 200),
         (0.99, "path-implicit:q=0.01", 1, 2500),
-        (0.9, "path", 5, 1000),
+        (0.9, "path", 1, 1000),
         (0.9, "path-implicit", 1, 2500),
         (0.9, "path-implicit:q=0.02", 1, 1000),
-        (0.9, "light", 5, 1000),
-        (0.9, "bdpt", 5, 200),
-        (0.99, "bdpt", 5, 450),
+        (0.9, "light", 1, 1000),
+        (0.9, "bdpt", 1, 200),
+        (0.99, "bdpt", 1, 450),
     ];
     let splats = |technique: &str| technique == "light" || technique == "bdpt";
     let on_bvh = run.backend == Backend::Bvh;
