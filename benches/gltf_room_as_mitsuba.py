@@ -36,7 +36,7 @@ class Room:
     def image(self, texture):
         return Image.open(self.source / self.json["images"][self.json["textures"][texture["index"]]["source"]]["uri"])
 
-    def bitmap(self, name, texture, channel=None, raw=False):
+    def bitmap(self, role, name, texture, channel=None, raw=False):
         """A texture element that shows an image, or one channel of it."""
         image = self.image(texture)
         file = f"{name}_{channel if channel is not None else 'rgb'}.png"
@@ -44,7 +44,7 @@ class Room:
         image.save(self.target / file)
         raw = raw or channel is not None
         flag = '<boolean name="raw" value="true"/>' if raw else ""
-        return lambda role: f'<texture type="bitmap" name="{role}"><string name="filename" value="{file}"/>{flag}</texture>'
+        return f'<texture type="bitmap" name="{role}"><string name="filename" value="{file}"/>{flag}</texture>'
 
     def material(self, index):
         material = self.json["materials"][index]
@@ -53,14 +53,13 @@ class Room:
         if "KHR_materials_transmission" in extensions:
             return f'<bsdf type="dielectric" id="{name}"><float name="int_ior" value="{extensions["KHR_materials_ior"]["ior"]}"/></bsdf>'
         if "baseColorTexture" in pbr:
-            colour = self.bitmap(name + "_colour", pbr["baseColorTexture"])("base_color")
+            colour = self.bitmap("base_color", name + "_colour", pbr["baseColorTexture"])
         else:
             rgb = ", ".join(str(value) for value in pbr.get("baseColorFactor", [1, 1, 1])[:3])
             colour = f'<rgb name="base_color" value="{rgb}"/>'
         if "metallicRoughnessTexture" in pbr:
-            both = [self.bitmap(name + "_" + role, pbr["metallicRoughnessTexture"], channel)(role)
-                    for role, channel in (("roughness", "G"), ("metallic", "B"))]
-            surface = "".join(both)
+            channels = (("roughness", "G"), ("metallic", "B"))
+            surface = "".join(self.bitmap(role, f"{name}_{role}", pbr["metallicRoughnessTexture"], channel) for role, channel in channels)
         else:
             surface = f'<float name="roughness" value="{pbr.get("roughnessFactor", 1)}"/><float name="metallic" value="{pbr.get("metallicFactor", 1)}"/>'
         coat = extensions.get("KHR_materials_clearcoat")
@@ -68,11 +67,11 @@ class Room:
             surface += f'<float name="clearcoat" value="{coat["clearcoatFactor"]}"/><float name="clearcoat_gloss" value="{1 - coat["clearcoatRoughnessFactor"]}"/>'
         bsdf = f'<bsdf type="principled">{colour}{surface}</bsdf>'
         if "normalTexture" in material:
-            bsdf = f'<bsdf type="normalmap">{self.bitmap(name + "_normal", material["normalTexture"], raw=True)("normalmap")}{bsdf}</bsdf>'
+            bsdf = f'<bsdf type="normalmap">{self.bitmap("normalmap", name + "_normal", material["normalTexture"], raw=True)}{bsdf}</bsdf>'
         if material.get("doubleSided"):
             bsdf = f'<bsdf type="twosided">{bsdf}</bsdf>'
         if material.get("alphaMode") == "MASK":
-            opacity = self.bitmap(name + "_opacity", pbr["baseColorTexture"], "A")("opacity")
+            opacity = self.bitmap("opacity", name + "_opacity", pbr["baseColorTexture"], "A")
             bsdf = f'<bsdf type="mask">{opacity}{bsdf}</bsdf>'
         return bsdf.replace(">", f' id="{name}">', 1)
 

@@ -58,8 +58,11 @@ bool path_arrive(inout Path path, out Vertex v, inout uint rays) {
     return true;
 }
 
-// Keeps what the first vertex left of the throughput.
-void path_dim(inout Path path) { path.dimming = clamp(largest(path.throughput) * path.eta * path.eta, 1e-6, 1.0); }
+// Counts the vertex that has scattered, and keeps what the first one left of a camera path's throughput.
+void path_count(inout Path path) {
+    path.depth += 1u;
+    if (path.from_camera && path.depth == 1u) path.dimming = clamp(largest(path.throughput) * path.eta * path.eta, 1e-6, 1.0);
+}
 
 // Goes on in the direction that the BSDF chose.
 void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
@@ -71,8 +74,7 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.pdf_w = s.pdf_w;
     path.delta = s.delta;
     path.eta *= s.eta;
-    path.depth += 1u;
-    if (path.from_camera && path.depth == 1u) path_dim(path);
+    path_count(path);
     path.ray = vertex_ray(v, vertex_to_world(v, s.wi));
     path.from = vertex_reference(v, b);
     path.from.position = path.ray.origin;

@@ -8,7 +8,6 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::node::CwBvhNode;
 
-use super::Leaves;
 use super::bounds::Bounds;
 use super::partition::{Chunk, partition};
 use super::tree::{Bvh, depth_below, wide_tree};
@@ -26,7 +25,7 @@ impl<T: Boundable> Boundable for Member<'_, T> {
 /// their place.
 pub(super) fn build<T: Boundable + Sync>(
     boxes: &[T],
-    leaves: Leaves,
+    most_in_leaf: u32,
     most: usize,
     done: &(dyn Fn(usize) + Sync),
 ) -> Bvh {
@@ -52,7 +51,7 @@ pub(super) fn build<T: Boundable + Sync>(
             scope.spawn(|_| {
                 while let Some((index, (chunk, run))) = take() {
                     let members: Vec<_> = run.iter().map(|index| Member(&boxes[*index as usize])).collect();
-                    let tree = wide_tree(&members, leaves.most());
+                    let tree = wide_tree(&members, most_in_leaf);
                     let names = run.to_vec();
                     run.iter_mut().zip(&tree.primitive_indices).for_each(|(out, name)| *out = names[*name as usize]);
                     joined.lock().unwrap_or_else(PoisonError::into_inner).add(index, chunk.first as u32, tree.nodes);

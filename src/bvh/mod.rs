@@ -26,33 +26,17 @@ pub const CELL_MARGIN: f64 = 1.0 / 256.0;
 /// The most boxes that get a tree in one piece. Building takes some 300 bytes for each of them; more are cut into chunks.
 pub const CHUNK: usize = 1 << 19;
 
-/// What a leaf holds.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Leaves {
-    /// Up to three boxes.
-    Runs,
-    /// One box.
-    Single,
-}
+/// The most boxes in a leaf, as traversal's masks have it.
+const MOST_IN_LEAF: u32 = 3;
 
-impl Leaves {
-    /// The most boxes in one.
-    fn most(self) -> u32 {
-        match self {
-            Self::Runs => 3,
-            Self::Single => 1,
-        }
-    }
-}
-
-fn build_tree<T: Boundable + Sync>(boxes: &[T], leaves: Leaves, most: usize, done: &(dyn Fn(usize) + Sync)) -> Bvh {
+fn build_tree<T: Boundable + Sync>(boxes: &[T], most_in_leaf: u32, most: usize, done: &(dyn Fn(usize) + Sync)) -> Bvh {
     if boxes.is_empty() {
         return Bvh { nodes: vec![CwBvhNode::default()], order: Vec::new(), paired: Vec::new(), depth: 1 };
     }
     if boxes.len() > most.max(1) {
-        return chunked::build(boxes, leaves, most, done);
+        return chunked::build(boxes, most_in_leaf, most, done);
     }
-    let wide = wide_tree(boxes, leaves.most());
+    let wide = wide_tree(boxes, most_in_leaf);
     done(boxes.len());
     let depth = depth_below(&wide.nodes);
     Bvh { nodes: wide.nodes, order: wide.primitive_indices, paired: Vec::new(), depth }
@@ -67,7 +51,7 @@ impl Bvh {
     /// Builds a tree over boxes, or over primitives, in chunks of `most` boxes at most, where there are more. `done` is
     /// told from time to time, from any thread, how many boxes have found their place.
     pub fn build_in_chunks<T: Boundable + Sync>(boxes: &[T], most: usize, done: &(dyn Fn(usize) + Sync)) -> Self {
-        build_tree(boxes, Leaves::Runs, most, done)
+        build_tree(boxes, MOST_IN_LEAF, most, done)
     }
 
     /// Checks that every box is in exactly one leaf, and that each child's decoded box, widened by [`CELL_MARGIN`] as

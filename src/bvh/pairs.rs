@@ -10,7 +10,7 @@ use rayon::slice::ParallelSliceMut;
 
 use super::bounds::primitive_bounds;
 use super::tree::Bvh;
-use super::{Leaves, build_tree};
+use super::{MOST_IN_LEAF, build_tree};
 use crate::layout::{Primitive, SPHERE_BIT};
 
 /// One primitive, or a pair of triangles.
@@ -22,9 +22,8 @@ struct Unit<'a> {
 }
 
 impl Unit<'_> {
-    /// How many primitives it is.
-    fn count(&self) -> u32 {
-        1 + u32::from(self.second != self.first)
+    fn is_pair(&self) -> bool {
+        self.second != self.first
     }
 }
 
@@ -43,10 +42,10 @@ impl Bvh {
         let units = units(primitives);
         // Runs of up to three single triangles make fewer nodes than leaves of one, so pairs must be many.
         if 4 * units.len() > 3 * primitives.len() {
-            return build_tree(primitives, Leaves::Runs, most, done);
+            return build_tree(primitives, MOST_IN_LEAF, most, done);
         }
         let done = |count: usize| done(count * primitives.len() / units.len());
-        let mut tree = build_tree(&units, Leaves::Single, most, &done);
+        let mut tree = build_tree(&units, 1, most, &done);
         hold_pairs(&mut tree, &units);
         tree
     }
@@ -105,20 +104,16 @@ fn hold_pairs(tree: &mut Bvh, units: &[Unit]) {
     for slot in &tree.order {
         let unit = &units[*slot as usize];
         starts.push(order.len() as u32);
-        if unit.second != unit.first {
+        if unit.is_pair() {
             order.push(unit.second);
+            tree.paired.push(false);
         }
         order.push(unit.first);
+        tree.paired.push(unit.is_pair());
     }
     starts.push(order.len() as u32);
     for node in &mut tree.nodes {
         hold_primitives(node, &starts);
-    }
-    tree.paired = vec![false; order.len()];
-    for (slot, start) in tree.order.iter().zip(&starts) {
-        if units[*slot as usize].count() == 2 {
-            tree.paired[*start as usize + 1] = true;
-        }
     }
     tree.order = order;
 }

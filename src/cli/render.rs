@@ -40,9 +40,9 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Technique, with parameters as NAME:PARAMETER=VALUE; `lumbre list` shows them all. By default the one that the scene's file names,
-    /// else path, or bdpt where points, spots, projectors or parallel light make
-    /// caustics
+    /// Technique, with parameters as NAME:PARAMETER=VALUE; `lumbre list` shows them all. By default the
+    /// one that the scene's file names, else path, or bdpt where points, spots, projectors or
+    /// parallel light make caustics
     #[arg(short = 'i', long, value_name = "NAME")]
     integrator: Option<String>,
 

@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
-use glam::DAffine3;
-
 use super::sets::RayKind;
 use crate::error::{Error, Result};
 use crate::files::replace_file;
-use crate::layout::{RayRecord, SPHERE_BIT};
-use crate::scene::Scene;
+use crate::layout::RayRecord;
+use crate::scene::{Needs, Scene};
 
 /// Writes the scene's triangles and sets of rays: a line `lumbre-rays-1`, a line `triangles N`, for each set a line with its kind, how
 /// many rays it has, and `closest` or `any`, and a line `end`; then numbers of 32 bits, low byte first: nine coordinates for each
@@ -20,10 +18,11 @@ pub fn export(scene: &Scene, kinds: &[(RayKind, Vec<RayRecord>)], path: &Path) -
             scene.source.display()
         )))
     };
-    if scene.primitives.iter().any(|primitive| primitive.surface & SPHERE_BIT != 0) {
+    let needs = Needs::of(scene);
+    if needs.spheres {
         return refused("spheres");
     }
-    if scene.instances.len() > 1 || scene.instances.iter().any(|placed| placed.to_world != DAffine3::IDENTITY) {
+    if needs.instances {
         return refused("instances");
     }
     let mut head = format!("lumbre-rays-1\ntriangles {}\n", scene.primitives.len());

@@ -46,8 +46,7 @@ bool gather_finally(PatchTable t, Vertex v, vec3 carried, inout Path path, inout
         path.ray = ray;
         path.from = ReferencePoint(ray.origin, normal, false);
         path.throughput = PI * carried;
-        path.depth += 1u;
-        if (path.depth == 1u) path_dim(path);
+        path_count(path);
         return path_survives(path, 1.0, u.z);
     }
     carried *= Values(t.albedo).at[g.from];
