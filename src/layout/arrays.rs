@@ -52,8 +52,6 @@ macro_rules! scene_arrays {
                 lights: Light in Lights, "lights";
                 /// Nodes of the tree that the other lights are selected from, the root first; children lie side by side.
                 light_tree: LightNode in LightNodes, "light tree";
-                /// Alias table over the cells of the environment's image, row by row.
-                background_table: AliasEntry in AliasTable, "environment table";
             }
             changed {
                 /// All triangles and spheres, group by group; within a group the triangles come first. On the device, in the order of
@@ -64,6 +62,9 @@ macro_rules! scene_arrays {
                 corners: Corners in Triples, "corners";
                 /// Textures; each names its image, whose address stands there on the device.
                 textures: Texture in Textures, "textures";
+                /// Alias table over the cells of the environment's image, row by row. On the device, of those alone that are brighter
+                /// than the mean, where the technique leaves the others to BSDF samples.
+                background_table: AliasEntry in AliasTable, "environment table";
             }
             made {
                 /// Nodes of backend `bvh`, [`NODE_BYTES`] each: of the instances first, then of each group.

@@ -1,5 +1,6 @@
 //! A scene on the device: its arrays, its acceleration structure, its uniforms.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::time::Instant;
 
@@ -16,6 +17,7 @@ use crate::layout::{
     self, ARRAY_NAMES, INLINE_MAX, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, PAIR_BIT, Primitive, SPHERE_BIT, SceneUniforms,
     TEXTURE_IMAGE, UNIFORM_LIGHTS, UNIFORM_MATERIALS, UNIFORM_SURFACES, address,
 };
+use crate::scene::compile::environment::compensated;
 use crate::scene::compile::light::{importance, power};
 use crate::scene::{Filter, Needs, Scene};
 use crate::techniques::Settings;
@@ -111,6 +113,13 @@ impl DeviceScene {
         for texture in textures.iter_mut().filter(|texture| texture.kind == TEXTURE_IMAGE) {
             texture.texels = images[texture.texels[0] as usize];
         }
+        let compensates = settings.technique.row.compensates_mis;
+        // All of it is the mean, which MIS compensation leaves to BSDF samples.
+        let is_left_to_bsdfs = compensates && scene.environment.is_none() && scene.lights.is_empty();
+        let background_table = match &scene.environment {
+            Some(environment) if compensates => Cow::Owned(compensated(&scene.background_table, environment.cells)),
+            _ => Cow::Borrowed(&scene.background_table[..]),
+        };
         let rotation = scene.environment.as_ref().map_or([[0.0; 3]; 3], |environment| environment.from_world);
         let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
         let plane = settings.image_plane(scene)?;
@@ -133,7 +142,7 @@ impl DeviceScene {
             background_y: rotation[1],
             background_z: rotation[2],
             background_cells: scene.environment.as_ref().map_or([0; 2], |environment| environment.cells),
-            background_probability: scene.background_probability,
+            background_probability: if is_left_to_bsdfs { 0.0 } else { scene.background_probability },
             light_count: scene.lights.len() as u32,
             table_lights: scene.table_lights,
             table_probability: scene.table_probability,
@@ -152,6 +161,7 @@ impl DeviceScene {
             nodes: place_of(nodes.as_ref()),
             textures: upload(ARRAY_NAMES.textures, bytemuck::cast_slice(&textures))?,
             instances: upload(ARRAY_NAMES.instances, bytemuck::cast_slice(&built.instances))?,
+            background_table: upload(ARRAY_NAMES.background_table, bytemuck::cast_slice(&background_table))?,
             filter_table: upload(ARRAY_NAMES.filter_table, bytemuck::cast_slice(&filter_table))?,
             ..SceneUniforms::default()
         };

@@ -230,6 +230,9 @@ pub struct TechniqueRow {
     pub correlated: Correlated,
     /// Whether its film can tell strategies (s, t) apart.
     pub tells_strategies: bool,
+    /// Whether each light sample is combined with a BSDF sample by MIS, so that next-event estimation may leave what of the environment is darker than
+    /// its mean to the latter (MIS compensation, Karlik et al. 2019).
+    pub compensates_mis: bool,
     /// What it cannot find in scenes that have it.
     pub misses: &'static [Missing],
     /// What it finds in rare, bright samples alone in scenes that have it.

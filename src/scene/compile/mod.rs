@@ -4,7 +4,7 @@
 pub(crate) mod alias;
 mod attributes;
 pub mod compensation;
-mod environment;
+pub(crate) mod environment;
 mod flatten;
 pub mod fresnel;
 pub(crate) mod light;

@@ -16,6 +16,7 @@ pub const LIGHT: TechniqueRow = TechniqueRow {
     rr_depth: 1,
     correlated: Correlated::Nothing,
     tells_strategies: false,
+    compensates_mis: false,
     misses: &[Missing::NotConnectableToCamera],
     rare: &[RareLight::Reflections],
     referee: true,

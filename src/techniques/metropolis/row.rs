@@ -73,6 +73,7 @@ pub const MLT: TechniqueRow = TechniqueRow {
     rr_depth: 1,
     correlated: Correlated::Samples,
     tells_strategies: false,
+    compensates_mis: false,
     misses: &[],
     rare: &[RareLight::HiddenCaustics],
     referee: false,

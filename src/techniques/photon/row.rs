@@ -22,6 +22,7 @@ pub const PHOTON: TechniqueRow = TechniqueRow {
     rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
+    compensates_mis: false,
     misses: &[],
     rare: &[RareLight::GlossyCaustics],
     referee: true,

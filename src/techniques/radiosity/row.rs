@@ -76,6 +76,7 @@ pub const RADIOSITY: TechniqueRow = TechniqueRow {
     rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
+    compensates_mis: false,
     misses: &[],
     rare: &[],
     referee: true,

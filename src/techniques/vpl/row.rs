@@ -27,6 +27,7 @@ pub const VPL: TechniqueRow = TechniqueRow {
     rr_depth: 1,
     correlated: Correlated::Pixels,
     tells_strategies: false,
+    compensates_mis: false,
     misses: &[Missing::DeltaCaustics],
     rare: &[RareLight::Caustics],
     referee: false,
