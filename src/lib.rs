@@ -53,6 +53,7 @@ pub mod scene;
 pub mod spirv;
 pub mod statistics;
 pub mod techniques;
+pub mod trace;
 pub mod verify;
 
 pub use error::{Error, Result};

@@ -1,6 +1,7 @@
 // One pixel's share of the film: the samples of a dispatch, their sums, and what was wrong with them.
 #include "core/rng.glsl"
 #include "core/camera.glsl"
+#include "core/record.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FilmPixels { FilmPixel at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Layers { vec3 at[]; };
@@ -24,10 +25,16 @@ void estimate_clear(inout Estimate e) {
     }
 }
 
-// Adds the contribution of a path of `length` segments (length 1: the camera sees a light).
-void contribute(inout Estimate e, uint length, vec3 radiance) {
+// Adds what a path of `length` segments brings to an estimate that need not be the sample's.
+void gather(inout Estimate e, uint length, vec3 radiance) {
     e.radiance += radiance;
     if (LENGTH_LAYERS > 0u) e.by_length[min(length, LENGTH_LAYERS) - 1u] += radiance;
+}
+
+// Adds the contribution of a path of `length` segments to the sample (length 1: the camera sees a light).
+void contribute(inout Estimate e, uint length, vec3 radiance) {
+    record_contribution(length, radiance);
+    gather(e, length, radiance);
 }
 
 // A pixel and its position in this dispatch's run of samples.
@@ -61,6 +68,7 @@ bool pixel_has_sample(Pixel pixel) { return pixel.sample_index < frame.first_sam
 // point of the lens.
 vec2 sample_offset(inout Pixel pixel, out Sampler random, out vec2 on_lens) {
     random = Sampler(pixel.index, pixel.sample_index, 0u, frame.seed);
+    record_begin(pixel.index, pixel.sample_index, false);
     vec4 u = next4(random);
     pixel.filter_weight = 1.0;
     on_lens = u.zw;
@@ -100,6 +108,7 @@ void count_rays(uint rays) { atomicAdd(Tallies(frame.tally).rays[gl_WorkGroupID.
 // Ends the pixel's sample: adds it to the sums, or, if it is not finite, drops, counts and locates it.
 void sample_close(inout Pixel pixel, Estimate e) {
     vec3 x = e.radiance * pixel.filter_weight;
+    record_value(pixel.index, pixel.sample_index, x, pixel.filter_weight);
     if (any(isnan(x)) || any(isinf(x))) {
         report_bad_sample(pixel.index, pixel.sample_index);
     } else {

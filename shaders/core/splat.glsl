@@ -40,6 +40,7 @@ void splat_strategy(uint pixel, uint sample_index, uint s, uint t, vec3 value, f
 
 // Adds the contribution of (s, t) with its weight: to its path length, or where strategies are told apart, to that strategy.
 void splat_weighted(uint pixel, uint sample_index, uint s, uint t, vec3 value, float weight) {
+    record_splat(pixel, sample_index, recorded_pixel, s, t, value * weight, weight);
     if (HAS_STRATEGIES) splat_strategy(pixel, sample_index, s, t, value, weight);
     else splat(pixel, sample_index, s + t - 1u, value * weight);
 }

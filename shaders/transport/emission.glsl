@@ -12,15 +12,33 @@ vec3 vertex_emission(Vertex v, Ray ray) {
     return emission;
 }
 
+// Records the emission that the path has run into: with its density as the BSDF's choice, and that as a light sample.
+void record_emission(Path path, vec3 emission, float light_pdf_w, float weight) {
+    PathRecord r = record_of(RECORD_EMISSION, path.depth + 1u);
+    r.direction = -path.ray.direction;
+    r.value = emission;
+    r.throughput = path.throughput;
+    r.pdf = path.delta ? 0.0 : path.pdf_w;
+    r.other_pdf = light_pdf_w;
+    r.weight = weight;
+    record_append(r);
+}
+
 // MIS weight of that emission as found by the BSDF's choice of direction, against next-event estimation at the last vertex (power
 // heuristic). A delta lobe's choice has no competitor.
 float emission_weight(Path path, Vertex v) {
-    return path.delta ? 1.0 : power_heuristic(path.pdf_w, light_pdf(path.from, path.ray, v.hit, v.at, v.surface));
+    float light_pdf_w = path.delta ? 0.0 : light_pdf(path.from, path.ray, v.hit, v.at, v.surface);
+    float weight = path.delta ? 1.0 : power_heuristic(path.pdf_w, light_pdf_w);
+    if (records(RECORD_EMISSION)) record_emission(path, vertex_emission(v, path.ray), light_pdf_w, weight);
+    return weight;
 }
 
 // The weight of the background, likewise.
 float background_weight(Path path) {
-    return path.delta ? 1.0 : power_heuristic(path.pdf_w, background_pdf(path.ray.direction));
+    float light_pdf_w = path.delta ? 0.0 : background_pdf(path.ray.direction);
+    float weight = path.delta ? 1.0 : power_heuristic(path.pdf_w, light_pdf_w);
+    if (records(RECORD_EMISSION)) record_emission(path, background_radiance(path.ray.direction), light_pdf_w, weight);
+    return weight;
 }
 
 // Contribution of the background where a path has left the scene.

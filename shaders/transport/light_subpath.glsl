@@ -16,12 +16,27 @@ Path path_from_light(EmittedRay e, Sampler random) {
     return path;
 }
 
+// Records where a light subpath begins.
+void record_emitted(EmittedRay e) {
+    if (!records(RECORD_BEGIN)) return;
+    PathRecord r = record_of(RECORD_BEGIN, 0u);
+    r.position = e.origin;
+    r.normal = e.normal;
+    r.direction = e.direction;
+    r.value = e.power;
+    r.pdf = e.pdf_a;
+    r.flags = (e.delta ? RECORDED_DELTA : 0u) | (e.distant ? RECORDED_DISTANT : 0u);
+    record_append(r);
+}
+
 // A path from the lights before its first segment; `power` goes apart from the throughput, which begins at 1.
 Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
     Sampler random = light_path_random(index, sample_index);
     vec4 u = next4(random);
     vec4 v = next4(random);
     emitted = light_emit(u, v);
+    record_begin(index, sample_index, true);
+    record_emitted(emitted);
     return path_from_light(emitted, random);
 }
 

@@ -52,9 +52,26 @@ NextEvent nee_sample(Path path, Vertex v, Bsdf b, vec4 u, inout BsdfSample s) {
 // MIS weight of the light sample against the BSDF's choice of its direction (power heuristic; Veach 1997, section 9.2.3).
 float nee_weight(NextEvent n) { return n.light.delta ? 1.0 : power_heuristic(n.light.pdf_w, n.pdf_w); }
 
+// Records a light sample, its weight, and the share of it that comes through.
+void record_light_sample(Path path, Vertex v, NextEvent n, float weight, vec3 through) {
+    if (!records(RECORD_LIGHT_SAMPLE) || n.light.pdf_w == 0.0) return;
+    PathRecord r = record_of(RECORD_LIGHT_SAMPLE, path.depth + 1u);
+    r.position = n.light.distant ? v.at.position : n.light.target;
+    r.direction = n.light.wi;
+    r.value = n.f;
+    r.throughput = n.light.weight * through;
+    r.pdf = n.light.pdf_w;
+    r.other_pdf = n.pdf_w;
+    r.weight = weight;
+    r.probability = (through.x + through.y + through.z) / 3.0;
+    r.flags = (n.light.delta ? RECORDED_DELTA : 0u) | (n.light.distant ? RECORDED_DISTANT : 0u);
+    record_append(r);
+}
+
 // The weighted contribution with its visibility: traces the shadow ray unless there is nothing to lose.
 vec3 nee_contribution(Path path, Vertex v, Bsdf b, NextEvent n, vec3 carried, float weight, inout uint rays) {
-    vec3 contribution = nee_unoccluded(carried, n.f, n.light) * weight;
-    if (contribution == vec3(0.0)) return contribution;
-    return contribution * ray_transmittance(shadow_ray(v.at, n.light), false, vertex_absorption(v, b, path.absorption, n.wi), rays);
+    vec3 contribution = nee_unoccluded(carried, n.f, n.light) * weight, through = vec3(0.0);
+    if (contribution != vec3(0.0)) through = ray_transmittance(shadow_ray(v.at, n.light), false, vertex_absorption(v, b, path.absorption, n.wi), rays);
+    record_light_sample(path, v, n, weight, through);
+    return contribution * through;
 }

@@ -29,11 +29,56 @@ Path path_along(Ray ray, Sampler random, bool from_camera) {
     return Path(ray, from, random, vec3(1.0), vec3(0.0), 1.0, from_camera, from_camera, 0u, 1.0, 1.0, Cone(0.0, 0.0));
 }
 
+// Records where a path begins.
+void record_path(Path path) {
+    if (!records(RECORD_BEGIN)) return;
+    PathRecord r = record_of(RECORD_BEGIN, 0u);
+    r.position = path.ray.origin;
+    r.direction = path.ray.direction;
+    record_append(r);
+}
+
+// Records the vertex where a path has arrived.
+void record_vertex(Path path, Vertex v) {
+    if (!records(RECORD_VERTEX)) return;
+    PathRecord r = record_of(RECORD_VERTEX, path.depth + 1u);
+    r.position = v.at.position;
+    r.normal = v.at.normal;
+    r.direction = -path.ray.direction;
+    r.throughput = path.throughput;
+    r.material = v.material;
+    r.primitive = v.hit.primitive;
+    r.instance = v.hit.instance;
+    record_append(r);
+}
+
+// Records the direction in which the path goes on.
+void record_scatter(Path path, BsdfSample s) {
+    if (!records(RECORD_SCATTER)) return;
+    PathRecord r = record_of(RECORD_SCATTER, path.depth);
+    r.position = path.ray.origin;
+    r.direction = path.ray.direction;
+    r.value = s.weight;
+    r.throughput = path.throughput;
+    r.pdf = s.pdf_w;
+    r.flags = (s.delta ? RECORDED_DELTA : 0u) | (s.narrow ? RECORDED_NARROW : 0u);
+    record_append(r);
+}
+
+void record_roulette(Path path, float survival, bool ends) {
+    if (!records(RECORD_ROULETTE)) return;
+    PathRecord r = record_of(RECORD_ROULETTE, path.depth);
+    r.probability = min(survival, 1.0);
+    r.flags = ends ? RECORDED_ENDS : 0u;
+    record_append(r);
+}
+
 // A path from the camera along a ray of it.
 Path path_from_camera(Ray ray, Sampler random) {
     Path path = path_along(ray, random, true);
     if (HAS_ABSORPTION) path.absorption = scene.camera_absorption;
     if (HAS_MIP_MAPS) path.cone = camera_cone(path.ray.direction);
+    record_path(path);
     return path;
 }
 
@@ -55,6 +100,7 @@ bool path_arrive(inout Path path, out Vertex v, inout uint rays) {
     v.from_light = !path.from_camera;
     path_absorb(path, v);
     path_measure(path, v);
+    record_vertex(path, v);
     return true;
 }
 
@@ -80,6 +126,7 @@ void path_scatter(inout Path path, Vertex v, Bsdf b, BsdfSample s) {
     path.from.position = path.ray.origin;
     if (HAS_ABSORPTION && (b.m.flags & MATERIAL_HAS_ABSORPTION) != 0u && s.wi.z * v.wo.z < 0.0)
         path.absorption = s.wi.z < 0.0 ? b.layered.absorption : vec3(0.0);
+    record_scatter(path, s);
 }
 
 // Russian roulette: a path whose throughput has fallen below this survives with the share of it that is left, and is raised back to it;
@@ -98,6 +145,7 @@ float path_survival(Path path, float scale) {
 // False where the path ends.
 bool path_survives(inout Path path, float scale, float u) {
     float survival = path_survival(path, scale);
+    record_roulette(path, survival, u >= survival);
     if (u >= survival) return false;
     path.throughput /= survival;
     return true;

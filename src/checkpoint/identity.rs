@@ -39,6 +39,7 @@ impl Identity {
             driver_specialises,
             arithmetic,
             expected_samples: _, // the checkpoint's header keeps it, and what goes on takes it from there
+            records: _,          // what is told of the paths changes none of them
             chunk,
         } = settings;
         let camera = camera.as_ref().map_or(String::from("the first"), |name| format!("'{name}'"));

@@ -14,6 +14,8 @@ mod output;
 mod rays;
 mod reference;
 mod render;
+mod settings;
+mod trace;
 mod verify;
 
 use clap::error::ErrorKind;
@@ -34,6 +36,8 @@ struct Cli {
 enum Command {
     /// Render a scene
     Render(render::RenderArgs),
+    /// Tell what happens to the path of one sample of a pixel: vertices, densities, weights
+    Trace(trace::TraceArgs),
     /// Measure speed against error: techniques, backends and options, with intervals
     Bench(bench::BenchArgs),
     /// Make the page of the lecture: every comparison, measured here
@@ -62,6 +66,7 @@ pub fn main() -> u8 {
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Trace(args) => trace::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),

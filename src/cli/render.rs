@@ -14,18 +14,19 @@ use std::time::Instant;
 
 use clap::Args;
 
-use lumbre::error::{Error, Result, one_of};
+use lumbre::error::{Error, Result};
 use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{AovSettings, Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{AovSettings, Correlated, LONGEST, Strategies};
 
-use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
+use super::args::{DeviceArgs, SceneArgs, parse_positive};
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
+use super::settings::SettingsArgs;
 use job::Job;
 use keep::CheckpointWriter;
 use progress::{BuildProgress, Progress};
@@ -40,11 +41,8 @@ pub(super) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Technique, with parameters as NAME:PARAMETER=VALUE; `lumbre list` shows them all. By default the
-    /// one that the scene's file names, else path, or bdpt where points, spots, projectors or
-    /// parallel light make caustics
-    #[arg(short = 'i', long, value_name = "NAME")]
-    integrator: Option<String>,
+    #[command(flatten)]
+    settings: SettingsArgs,
 
     /// Output: .exr (linear, 32-bit float) or .png (sRGB); may repeat. '-' is an EXR to standard output. By default both, named after the scene
     #[arg(short = 'o', long, value_name = "FILE")]
@@ -61,38 +59,6 @@ pub(super) struct RenderArgs {
     /// Stop once the estimate of the relMSE, from the variance of the samples, is no more than this; with -n or -t at the latest there
     #[arg(short = 'e', long, value_name = "RELMSE", value_parser = parse_positive, allow_negative_numbers = true)]
     error: Option<f64>,
-
-    /// Size of the image in pixels
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    size: Option<(u32, u32)>,
-
-    /// Longest path in segments (1: emission only, 2: adds direct light); -1 is no limit
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_depth)]
-    max_depth: Option<Depth>,
-
-    /// Segments after which Russian roulette may end a path, once its throughput is low
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_negative_numbers = true)]
-    rr_depth: Option<u32>,
-
-    /// Probability that Russian roulette ends a path, for techniques with a constant one
-    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
-    rr_q: Option<String>,
-
-    /// Where uniform numbers come from: sobol (the default but for mlt) or independent
-    #[arg(long, value_name = "NAME", value_parser = parse_sampler)]
-    sampler: Option<Sampler>,
-
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u32,
-
-    /// Ray backend: auto, ray-query or bvh
-    #[arg(long, value_name = "NAME", default_value = "auto")]
-    backend: String,
-
-    /// Camera by name or number; the scene's first one by default
-    #[arg(long, value_name = "NAME")]
-    camera: Option<String>,
 
     /// Write one EXR layer per path length, whose sum is the image; N layers, the last of which takes all longer paths
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "0", require_equals = true,
@@ -151,10 +117,6 @@ pub(super) struct RenderArgs {
     quiet: bool,
 }
 
-fn parse_sampler(text: &str) -> Result<Sampler, String> {
-    Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
-}
-
 /// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.
 const QUICK_SAMPLES: u64 = 1 << 17;
 
@@ -165,7 +127,7 @@ fn expected_samples(args: &RenderArgs, scene: &Scene, camera: &Camera) -> u64 {
         (Some(_), _) | (None, Some(_)) => u64::MAX,
         (None, None) => {
             let film = scene.film_of(camera);
-            let (width, height) = args.size.unwrap_or((film.width, film.height));
+            let (width, height) = args.settings.size.unwrap_or((film.width, film.height));
             u64::from(width) * u64::from(height) * u64::from(asked_spp(args, scene, camera))
         }
     }
@@ -180,7 +142,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
     let interrupted = listen_for_interrupts();
     // What is wrong with the command itself is said before any work.
-    let asked = args.integrator.as_deref().map(Technique::parse).transpose()?;
+    let asked = args.settings.technique()?;
     let mut layers = layers::parse(&args.aov)?;
     let outputs = outputs(args)?;
 
@@ -189,7 +151,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if !args.quiet {
         print_warnings(&scene);
     }
-    let camera = scene.camera(args.camera.as_deref())?;
+    let camera = scene.camera(args.settings.camera.as_deref())?;
     if expected_samples(args, &scene, camera) <= QUICK_SAMPLES {
         compile_quickly();
     }
@@ -342,33 +304,20 @@ fn settle(
     asked: Option<Technique>,
     outputs: Vec<PathBuf>,
 ) -> Result<(Settings, Job)> {
-    let mut technique = Technique::of_scene(scene, asked)?;
-    if let Some(q) = &args.rr_q {
-        technique.set("q", q)?;
-    }
+    let camera = scene.camera(args.settings.camera.as_deref())?;
+    let mut settings = args.settings.settle(scene, gpu, asked)?;
+    let technique = &settings.technique;
     if args.error.is_some() && technique.row.correlated == Correlated::Samples {
         return Err(Error::Usage(format!(
             "--error with {}: its samples are correlated, so their variance does not tell the error; valid are -n and -t",
             technique.row.name
         )));
     }
-    let mut settings = Settings::new(scene, technique, choose_backend(&args.backend, gpu)?);
-    let camera = scene.camera(args.camera.as_deref())?;
-    settings.set_camera(scene, args.camera.as_deref())?;
-    if let Some((width, height)) = args.size {
-        (settings.width, settings.height) = (width, height);
-    }
-    settings.sampler = args.sampler.unwrap_or(settings.sampler);
-    settings.seed = args.seed;
     settings.specialise = !args.no_specialise;
     settings.driver_specialises = args.driver_specialises;
     if args.exact_arithmetic {
         settings.arithmetic = Arithmetic::Exact;
     }
-    if let Some(Depth(depth)) = args.max_depth {
-        settings.max_depth = depth;
-    }
-    settings.rr_depth = args.rr_depth.unwrap_or(settings.rr_depth);
     settings.lengths = match args.lengths {
         None => 0,
         Some(0) => settings.max_depth.unwrap_or(DEFAULT_LENGTHS).clamp(1, DEFAULT_LENGTHS),

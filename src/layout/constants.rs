@@ -153,6 +153,50 @@ shared_constants! {
     pub const VEC4_BYTES = size_of::<super::vec4>() as u32;
     /// Bytes of a 64-bit fixed-point sum for each colour channel, as splats and the power that patches shoot have it.
     pub const FIXED_RGB_BYTES = 3 * size_of::<i64>() as u32;
+    /// A [`PathRecord`](super::PathRecord): a path begins, at the camera or at a light. `position`, `direction`; of a light `value` is its power, `pdf` the
+    /// density of the place per area.
+    pub const RECORD_BEGIN = 0;
+    /// A [`PathRecord`](super::PathRecord): the path has arrived at a vertex. `position`, `normal`, `material`, `primitive`, `instance`, and the
+    /// `throughput` up to there.
+    pub const RECORD_VERTEX = 1;
+    /// A [`PathRecord`](super::PathRecord): a light is sampled from the vertex. `direction` to it, `value` f |cos|, `throughput` radiance over density, `pdf` of
+    /// the light sample and `other_pdf` of the BSDF over solid angle, `weight`, and `probability`, the share of light that comes through (of the three channels the mean).
+    pub const RECORD_LIGHT_SAMPLE = 2;
+    /// A [`PathRecord`](super::PathRecord): the path has run into a light. `value` is the emitted radiance, `pdf` of the BSDF, `other_pdf` of a light
+    /// sample, `weight`.
+    pub const RECORD_EMISSION = 3;
+    /// A [`PathRecord`](super::PathRecord): the path goes on. `direction`, `value` f |cos| / pdf, `throughput` after it, `pdf`, of a delta lobe the
+    /// probability of choosing it.
+    pub const RECORD_SCATTER = 4;
+    /// A [`PathRecord`](super::PathRecord): Russian roulette. `probability` to survive; [`RECORDED_ENDS`] where it does not.
+    pub const RECORD_ROULETTE = 5;
+    /// A [`PathRecord`](super::PathRecord): a strategy (s, t), `value` unweighted, `weight`. With [`RECORDED_MERGED`] the subpaths were merged; with
+    /// [`RECORDED_CANDIDATE`] it is one of those that one is chosen of, visibility not tested.
+    pub const RECORD_STRATEGY = 6;
+    /// A [`PathRecord`](super::PathRecord): what a path of `vertex` segments adds to the sample.
+    pub const RECORD_CONTRIBUTION = 7;
+    /// A [`PathRecord`](super::PathRecord): what the light subpath or chain `vertex` adds to the pixel from elsewhere: `value`, weighted.
+    pub const RECORD_SPLAT = 8;
+    /// A [`PathRecord`](super::PathRecord): the sample is finished, its `value` goes to the film.
+    pub const RECORD_VALUE = 9;
+    /// A [`PathRecord`](super::PathRecord): a chain visits the pixel: `s` chain, `t` mutation, `value` the path's contribution, `weight` probability of the
+    /// visit, `probability` with which the proposal is accepted; [`RECORDED_PROPOSAL`] where it is the proposal.
+    pub const RECORD_VISIT = 10;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the lobe or the light is a delta.
+    pub const RECORDED_DELTA = 1;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the path ends.
+    pub const RECORDED_ENDS = 2;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): subpaths were merged.
+    pub const RECORDED_MERGED = 4;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): one of those that one is chosen of.
+    pub const RECORDED_CANDIDATE = 8;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): a proposal.
+    pub const RECORDED_PROPOSAL = 16;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the light is infinitely far away.
+    pub const RECORDED_DISTANT = 32;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the lobe is narrow, see [`NARROW_ALPHA`](super::NARROW_ALPHA).
+    pub const RECORDED_NARROW = 64;
+
 }
 
 /// The weights of linear sRGB's channels in its luminance (ITU-R BT.709).

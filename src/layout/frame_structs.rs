@@ -16,6 +16,8 @@ shared_structs! {
         tally: uvec2,
         /// Device address of the technique's own table, whose struct its shaders know; 0 where it has none.
         technique: uvec2,
+        /// Device address of the [`RecordHeader`](super::RecordHeader), where the paths of a sample are recorded.
+        records: uvec2,
         /// First slot of this dispatch: pixels in tiles of 8 x 8, row by row.
         first_slot: uint,
         /// Slots of this dispatch.
@@ -60,4 +62,4 @@ shared_structs! {
 }
 
 // Every device has 128 bytes of push constants; half of them is enough.
-const _: () = assert!(size_of::<FrameConstants>() < 64);
+const _: () = assert!(size_of::<FrameConstants>() <= 64);

@@ -23,6 +23,7 @@ mod lights;
 mod materials;
 mod probes;
 mod properties;
+mod records;
 mod scene_structs;
 mod scene_uniforms;
 mod specialisation;
@@ -40,6 +41,7 @@ pub(crate) use macros::shared_structs;
 pub use materials::*;
 pub use probes::*;
 pub use properties::*;
+pub use records::*;
 pub use scene_structs::*;
 pub use scene_uniforms::*;
 pub use specialisation::*;
@@ -54,6 +56,7 @@ pub fn structs() -> impl Iterator<Item = &'static SharedStruct> {
         light_subpaths::STRUCTS,
         aovs::STRUCTS,
         probes::STRUCTS,
+        records::STRUCTS,
     ];
     rooms.into_iter().flatten()
 }

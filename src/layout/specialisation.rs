@@ -119,6 +119,8 @@ settings! {
     /// Loops that take one thing after the other so that their body stands in a kernel once may be unrolled. Drivers of
     /// CPUs, which are slow to compile, are not told how many turns there are.
     unroll UNROLL: bool;
+    /// Kernels record the paths of a sample.
+    records RECORDS: bool;
     /// First parameter of the technique.
     param0 PARAM0: uint;
     /// Second parameter of the technique.

@@ -143,6 +143,7 @@ fn constants(
         inline_spheres: spheres(0),
         inline_spheres_high: spheres(32),
         sobol: settings.sampler == Sampler::Sobol,
+        records: settings.records > 0,
         param0,
         param1,
         param2,

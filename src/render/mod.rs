@@ -11,6 +11,7 @@ mod frames;
 mod kernel;
 mod memory;
 mod probe;
+mod records;
 mod spent;
 mod target;
 mod watch;
@@ -24,11 +25,13 @@ use std::time::{Duration, Instant};
 use aovs::{AovFilm, AovPass};
 pub use memory::{Part, Prediction};
 pub use probe::Probe;
+use records::Recorder;
+pub use records::Wanted;
 pub use spent::{Spent, spent};
 
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
-use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, RAY_COUNTERS, WORKGROUP, address};
+use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, PathRecord, RAY_COUNTERS, WORKGROUP, address};
 use crate::render::film::{BadSample, Film, StrategyLayers};
 use crate::scene::Scene;
 use crate::techniques::{
@@ -85,6 +88,7 @@ pub struct Renderer {
     film: Buffer,
     layers: Buffer,
     tally: Buffer,
+    recorder: Option<Recorder>,
     plan: FramePlan,
     seconds: Seconds,
     rays: u64,
@@ -136,6 +140,7 @@ impl Renderer {
                 pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES,
             )?,
             tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
+            recorder: (settings.records > 0).then(|| Recorder::new(gpu, settings.records)).transpose()?,
             plan: FramePlan::new(
                 settings.width,
                 settings.height,
@@ -178,6 +183,31 @@ impl Renderer {
         self.seconds.render += wall.as_secs_f64();
         self.seconds.device += device.as_secs_f64();
         Ok(self.plan.next(target).is_some())
+    }
+
+    /// Has kernels record the paths of a sample from now on; what they recorded before is gone. For settings with room for records.
+    pub fn want_records(&mut self, wanted: &Wanted) -> Result<()> {
+        self.recorder.as_ref().map_or(Ok(()), |recorder| recorder.want(wanted))
+    }
+
+    /// What kernels have recorded since they were told to, each path's records in their order, and how many there was no room for.
+    pub fn records(&self) -> Result<(Vec<PathRecord>, u32)> {
+        self.recorder.as_ref().map_or(Ok((Vec::new(), 0)), Recorder::read)
+    }
+
+    /// Takes one sample of one pixel, and of its neighbours in the same workgroup, where those before it need not have been taken:
+    /// for techniques that begin all subpaths at the camera. What it adds to the film is of no use.
+    pub fn sample_pixel(&mut self, x: u32, y: u32, sample: u32) -> Result<()> {
+        let across = self.settings.width.div_ceil(8);
+        let slot = (y / 8 * across + x / 8) * 64 + y % 8 * 8 + x % 8;
+        let first_slot = slot / WORKGROUP * WORKGROUP;
+        let frame = Frame { first_slot, slots: WORKGROUP, first_sample: sample, samples: 1, ..Frame::NOTHING };
+        self.dispatch(frame, true).map(drop)
+    }
+
+    /// The factor on the sums of the film that makes an image of them; 1 but for techniques that learn the image's brightness apart.
+    pub fn film_factor(&self) -> Result<f64> {
+        Ok(self.state.film_scale()?.map_or(1.0, |scale| scale.factor))
     }
 
     /// Tells how many seconds of rendering there will be, where time is what ends it: what goes before the first sample takes the more
@@ -349,6 +379,7 @@ impl Renderer {
             layers: address(self.layers.address()),
             tally: address(self.tally.address()),
             technique: address(self.state.table()),
+            records: address(self.recorder.as_ref().map_or(0, Recorder::address)),
             first_slot: frame.first_slot,
             slot_count: frame.slots,
             first_sample: frame.first_sample,

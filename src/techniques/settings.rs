@@ -62,6 +62,8 @@ pub struct Settings {
     pub arithmetic: Arithmetic,
     /// Expected pixel samples: whether work that only pays off over many of them is worth it.
     pub expected_samples: u64,
+    /// Records of paths that there is room for ([`crate::render::Wanted`]); 0 compiles kernels that record nothing.
+    pub records: u32,
     /// The most primitives that get a tree in one piece (`bvh`): larger groups are cut into chunks. The answers are the same.
     pub chunk: usize,
 }
@@ -87,6 +89,7 @@ impl Settings {
             driver_specialises: false,
             arithmetic: Arithmetic::Free,
             expected_samples: u64::MAX,
+            records: 0,
             chunk: CHUNK,
         }
     }

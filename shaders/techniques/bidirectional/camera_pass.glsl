@@ -45,6 +45,7 @@ void add_connections(Pixel pixel, Path path, Vertex v, Bsdf b, SubpathMis m, boo
             if (c.contribution != vec3(0.0)) add_connection(pixel, e, from_light, t, c);
             continue;
         }
+        if (!end.light && c.contribution != vec3(0.0)) record_strategy(from_light, t, c.contribution, c.weight, RECORDED_CANDIDATE);
         if (end.light) to_light = c;
         if (end.light || c.contribution == vec3(0.0)) continue;
         float weighted = max(c.contribution.x, max(c.contribution.y, c.contribution.z)) * c.weight;
@@ -100,7 +101,10 @@ void add_merges(Path path, Vertex v, Bsdf b, SubpathMis m, inout Estimate e) {
         if (!same_facing(y.normal, v.at.normal) || arriving == 0.0 || y.segments > longest() - length) continue;
         vec3 local = vertex_to_local(v, -y.direction);
         vec3 f = vertex_eval(v, b, path.ray, local, -y.direction);
-        if (f != vec3(0.0)) density_add(sums, length + y.segments, factor * y.power * f * (merge_weight(v, b, m, y, local) / arriving));
+        if (f == vec3(0.0)) continue;
+        float weight = merge_weight(v, b, m, y, local);
+        record_strategy(y.segments + 1u, path.depth + 2u, factor * y.power * f * (scene.splat_unit / arriving), weight, RECORDED_MERGED);
+        density_add(sums, length + y.segments, factor * y.power * f * (weight / arriving));
     }
     density_contribute(e, sums);
 }

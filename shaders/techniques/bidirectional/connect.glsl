@@ -18,6 +18,7 @@ float lens_choice() { return CONNECTS && MEETS_LENS && !HIDES_EMITTERS && CAMERA
 
 // Adds the contribution of (s, t) to the path's own pixel.
 void add_strategy(Pixel pixel, inout Estimate e, uint s, uint t, vec3 value, float weight) {
+    if (value != vec3(0.0)) record_strategy(s, t, value, weight, 0u);
     if (HAS_STRATEGIES) splat_strategy(pixel.index, pixel.sample_index, s, t, value * pixel.filter_weight, weight);
     else contribute(e, s + t - 1u, value * weight);
 }

@@ -103,8 +103,32 @@ bool inside_image(vec2 position) {
     return all(greaterThanEqual(position, vec2(-border))) && all(lessThan(position, vec2(scene.width, scene.height) + border));
 }
 
+// What a visit is of, for records.
+struct Visit {
+    uint chain, mutation;
+    float acceptance; // of the proposal
+    bool proposal;    // it is of the proposal, not of the path that the chain is at
+};
+
+void record_visit(Visit visit, uint pixel, uint sample_index, float probability, vec3 value, vec3 splatted) {
+    if (!RECORDS) return;
+    record_splat(pixel, sample_index, visit.chain, visit.chain, visit.mutation, splatted, probability);
+    if (!record_wants(RECORD_VISIT) || !record_wants_sample(pixel, sample_index)) return;
+    PathRecord r = record_of(RECORD_VISIT, 0u);
+    r.pixel = pixel;
+    r.sample_index = sample_index;
+    r.s = visit.chain;
+    r.t = visit.mutation;
+    r.value = value;
+    r.throughput = splatted;
+    r.weight = probability;
+    r.probability = visit.acceptance;
+    r.flags = visit.proposal ? RECORDED_PROPOSAL : 0u;
+    record_append(r);
+}
+
 // Adds what stands for a visit with this probability to the pixel there, layer by layer.
-void visit_splat(vec2 position, vec2 u, float probability, float f, uint sample_index, Estimate e) {
+void visit_splat(vec2 position, vec2 u, float probability, float f, uint sample_index, Estimate e, Visit visit) {
     ChainTable table = chain_table();
     if (!(f > 0.0) || !(probability > 0.0)) return;
     vec3 weight = vec3(1.0);
@@ -112,6 +136,7 @@ void visit_splat(vec2 position, vec2 u, float probability, float f, uint sample_
     if (pixel == NONE) return;
     // Positions are uniform over `light_path_count` pixels, and all visits of this sample share the mean contribution.
     weight *= probability * compression(f) * table.normalisation * (float(table.light.light_path_count) / (float(table.chains_of_sample) * float(table.mutations)));
+    record_visit(visit, pixel, sample_index, probability, e.radiance, e.radiance / f * weight);
     for (uint i = 0u; i < splat_layers(); i++) {
         vec3 value = layer_value(e, i);
         if (value != vec3(0.0)) splat(pixel, sample_index, i + 1u, value / f * weight);
@@ -136,11 +161,11 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
     float acceptance = begins || ratio >= 1.0 ? 1.0 : ratio;
     if (!begins) {
         vec4 pixels = uniform4(pcg4d(uvec4(index, mutation, NONE - 1u, frame.seed)));
-        visit_splat(position, pixels.xy, acceptance, proposed, sample_index, e);
+        visit_splat(position, pixels.xy, acceptance, proposed, sample_index, e, Visit(index, mutation, acceptance, true));
         Estimate current;
         current.radiance = value_at(index, 0u).value;
         for (uint i = 0u; i < LENGTH_LAYERS; i++) current.by_length[i] = value_at(index, i).value;
-        visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.contribution, sample_index, current);
+        visit_splat(c.position, pixels.zw, 1.0 - acceptance, c.contribution, sample_index, current, Visit(index, mutation, acceptance, false));
         if (p.large) {
             vec3 sum = vec3(c.sum), low = vec3(c.sum_low);
             add_compensated(sum, low, vec3(proposed / compression(proposed)));

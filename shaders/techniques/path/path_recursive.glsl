@@ -29,15 +29,20 @@ uint settled = 0u;
 vec3 settled_weight = vec3(1.0);
 
 void settle_outermost(inout Estimate e) {
-    contribute(e, settled + 1u, settled_weight * stack[0].emission);
-    contribute(e, settled + 2u, settled_weight * stack[0].direct);
+    gather(e, settled + 1u, settled_weight * stack[0].emission);
+    gather(e, settled + 2u, settled_weight * stack[0].direct);
     settled_weight *= stack[0].weight;
     settled++;
     calls--;
     for (uint i = 0u; i < calls; i++) stack[i] = stack[i + 1u];
 }
 
-void push(Call call, inout Estimate e) {
+void push(Path path, vec3 handed_down, Call call, inout Estimate e) {
+    if (RECORDS) {
+        // The same contributions as the path's throughput has them.
+        record_contribution(path.depth + 1u, call.emission / handed_down * path.throughput);
+        record_contribution(path.depth + 2u, call.direct / handed_down * path.throughput);
+    }
     if (calls == ROOM) settle_outermost(e);
     stack[calls++] = call;
 }
@@ -52,8 +57,8 @@ void unwind(inout Estimate e) {
         returned.radiance *= call.weight;
         for (uint i = 0u; i < LENGTH_LAYERS; i++) returned.by_length[i] *= call.weight;
         uint length = settled + calls + 1u;
-        contribute(returned, length, call.emission);
-        contribute(returned, length + 1u, call.direct);
+        gather(returned, length, call.emission);
+        gather(returned, length + 1u, call.direct);
     }
     e.radiance += settled_weight * returned.radiance;
     for (uint i = 0u; i < LENGTH_LAYERS; i++) e.by_length[i] += settled_weight * returned.by_length[i];
@@ -72,7 +77,7 @@ bool radiance(inout Path path, inout Estimate e) {
             vec3 handed_down = RETURNS == RETURNS_RADIANCE ? vec3(1.0) : path.throughput;
             bool hidden = HIDES_EMITTERS && path.depth == 0u;
             call.emission = hidden ? vec3(0.0) : handed_down * background_radiance(path.ray.direction) * background_weight(path);
-            if (RETURNS == RETURNS_RADIANCE) push(call, e); else contribute(e, path.depth + 1u, call.emission);
+            if (RETURNS == RETURNS_RADIANCE) push(path, handed_down, call, e); else contribute(e, path.depth + 1u, call.emission);
         }
         return false;
     }
@@ -85,6 +90,7 @@ bool radiance(inout Path path, inout Estimate e) {
     if (emission != vec3(0.0)) call.emission = handed_down * emission * emission_weight(path, v);
     if (RETURNS == RETURNS_NOTHING) contribute(e, path.depth + 1u, call.emission);
     bool ends = path.depth + 1u >= MAX_DEPTH || v.material == NONE;
+    Path arrived = path;
 
     if (!ends) {
         // Direct light.
@@ -105,7 +111,7 @@ bool radiance(inout Path path, inout Estimate e) {
             call.weight = handed_down * s.weight / survival;
         }
     }
-    if (RETURNS == RETURNS_RADIANCE) push(call, e);
+    if (RETURNS == RETURNS_RADIANCE) push(arrived, handed_down, call, e);
     return !ends;
 }
 

@@ -1,0 +1,75 @@
+//! `lumbre trace`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use lumbre::error::Result;
+use lumbre::files::{check_writable, replace_file};
+use lumbre::gpu::compile_quickly;
+use lumbre::trace::{Request, svg, text, trace};
+
+use super::args::{DeviceArgs, SceneArgs};
+use super::output::{check_json, print, print_warnings, say, write_json};
+use super::settings::SettingsArgs;
+
+#[derive(Args)]
+pub(super) struct TraceArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    #[command(flatten)]
+    settings: SettingsArgs,
+
+    /// The pixel: column from the left and row from the top, from 0
+    #[arg(long, value_name = "X,Y", value_parser = parse_pixel)]
+    pixel: (u32, u32),
+
+    /// Which of the pixel's samples, from 0
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    sample: u32,
+
+    /// Write all numbers as JSON ('-' is standard output, instead of the text)
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+
+    /// Draw the scene in plan with the paths in it
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+
+    #[command(flatten)]
+    device: DeviceArgs,
+}
+
+fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    parts.ok_or_else(|| String::from("it must be X,Y: two whole numbers from 0"))
+}
+
+pub(super) fn run(args: &TraceArgs) -> Result<()> {
+    let asked = args.settings.technique()?;
+    check_json(args.json.as_deref())?;
+    args.svg.as_deref().map_or(Ok(()), check_writable)?;
+    let scene = args.scene.load()?;
+    print_warnings(&scene);
+    // One sample: what compiling well takes would never come back.
+    compile_quickly();
+    let gpu = args.device.open()?;
+    let settings = args.settings.settle(&scene, &gpu, asked)?;
+    let (x, y) = args.pixel;
+    let traced = trace(&gpu, &scene, &settings, Request { x, y, sample: args.sample })?;
+    if let Some(path) = &args.svg {
+        let picture = svg(&scene, &traced, args.settings.camera.as_deref())?;
+        replace_file(path, |file| {
+            std::io::Write::write_all(file, picture.as_bytes()).map_err(|error| error.to_string())
+        })?;
+        say!("wrote {}", path.display());
+    }
+    if let Some(path) = &args.json {
+        write_json(path, &traced)?;
+    }
+    if args.json.as_deref() != Some(Path::new("-")) {
+        print(text(&traced).trim_end());
+    }
+    DeviceArgs::report_validation(&gpu)
+}

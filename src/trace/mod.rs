@@ -1,0 +1,112 @@
+//! What happens to the paths of one sample of a pixel: `lumbre trace`.
+//!
+//! The technique's own kernels follow the same paths once more, compiled to record what they do (`shaders/core/record.glsl`). [`trace`] takes that
+//! sample and puts the [records](crate::layout::PathRecord) together: the subpaths vertex by vertex, the strategies with their
+//! weights, what light subpaths from elsewhere splat onto the pixel, and the sample's value, which all of these add up to.
+
+mod assemble;
+mod names;
+mod plan;
+mod text;
+mod types;
+
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::layout::{PathRecord, RECORD_BEGIN, RECORD_ROULETTE, RECORD_SPLAT, RECORD_VISIT};
+use crate::render::{Renderer, Settings, Wanted};
+use crate::scene::Scene;
+
+pub use plan::svg;
+pub use text::text;
+pub use types::{
+    Beginning, Contribution, Emission, LightSample, Roulette, Scattering, Splat, StrategyContribution, Subpath, Trace,
+    Vertex, Visit,
+};
+
+/// Records that there is room for. A path of the longest kind has a few for each vertex; merging techniques have one for each photon met.
+const ROOM: u32 = 1 << 18;
+
+/// Bits of all kinds of records.
+const EVERYTHING: u32 = (1 << (RECORD_VISIT + 1)) - 1;
+/// Bits of the kinds that follow a subpath from vertex to vertex.
+const SUBPATH: u32 = (1 << (RECORD_ROULETTE + 1)) - (1 << RECORD_BEGIN);
+
+/// Which sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// Column of the pixel, from the left.
+    pub x: u32,
+    /// Row of the pixel, from the top.
+    pub y: u32,
+    /// Index of the sample within the pixel.
+    pub sample: u32,
+}
+
+/// Follows the paths of one sample of one pixel, as a rendering with these settings has them. Techniques in which a sample depends on those before it take
+/// these first.
+///
+/// Fails where the pixel is not in the image, or as a rendering does.
+pub fn trace(gpu: &Gpu, scene: &Scene, settings: &Settings, request: Request) -> Result<Trace> {
+    let Request { x, y, sample } = request;
+    if x >= settings.width || y >= settings.height {
+        return Err(Error::Usage(format!(
+            "--pixel {x},{y}: the image has {}x{} pixels, so valid are 0,0 to {},{}",
+            settings.width,
+            settings.height,
+            settings.width - 1,
+            settings.height - 1
+        )));
+    }
+    let pixel = y * settings.width + x;
+    let wanted = Wanted { kinds: EVERYTHING, pixel: Some(pixel), sample: Some(sample), ..Wanted::NOTHING };
+    // Connections of a pixel are to the light subpath of the same number.
+    let connects = settings.technique.row.tells_strategies;
+    let wanted = Wanted { light_path: connects.then_some(pixel), ..wanted };
+    let recording = Settings { records: ROOM, lengths: 0, strategies: None, aovs: None, ..settings.clone() };
+    let mut renderer = Renderer::new(gpu, scene, &recording)?;
+    let mut records = take(&mut renderer, &wanted, request)?;
+    if let Some(source) =
+        brightest_splat(&records).filter(|source| connects && *source != pixel || light_subpaths(settings))
+    {
+        renderer.restart(settings.seed)?;
+        let wanted = Wanted { kinds: SUBPATH, pixel: Some(pixel), light_path: Some(source), ..wanted };
+        let from_light = |record: &PathRecord| record.from_light == 1;
+        records.extend(take(&mut renderer, &wanted, request)?.into_iter().filter(from_light));
+    }
+    let factor = renderer.film_factor()?;
+    Ok(assemble::assemble(scene, &renderer, request, &records, factor))
+}
+
+/// Whether all light comes by splats of light subpaths, whose numbers have nothing to do with the pixel.
+fn light_subpaths(settings: &Settings) -> bool {
+    settings.technique.row.is_light_tracing()
+}
+
+/// Takes the sample, and returns what was recorded of it.
+fn take(renderer: &mut Renderer, wanted: &Wanted, request: Request) -> Result<Vec<PathRecord>> {
+    renderer.want_records(wanted)?;
+    if renderer.settings().technique.row.is_unidirectional() {
+        renderer.sample_pixel(request.x, request.y, request.sample)?;
+    } else {
+        let target = request
+            .sample
+            .checked_add(1)
+            .ok_or_else(|| Error::Usage(format!("--sample {}: valid are 0 to {}", request.sample, u32::MAX - 1)))?;
+        while renderer.advance(target)? {}
+    }
+    let (records, lost) = renderer.records()?;
+    if lost > 0 {
+        return Err(Error::Usage(format!(
+            "the sample has {} records, and there is room for {ROOM}: a lower --max-depth or, where photons are merged, a smaller radius makes fewer",
+            u64::from(lost) + u64::from(ROOM)
+        )));
+    }
+    Ok(records)
+}
+
+/// The light subpath that adds most to the pixel.
+fn brightest_splat(records: &[PathRecord]) -> Option<u32> {
+    let splats = records.iter().filter(|record| record.kind == RECORD_SPLAT);
+    let brightness = |record: &PathRecord| record.value.iter().sum::<f32>();
+    splats.max_by(|one, other| brightness(one).total_cmp(&brightness(other))).map(|record| record.vertex)
+}
