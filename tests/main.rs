@@ -58,6 +58,7 @@ mod scenes;
 mod soak;
 mod spirv;
 mod strategies;
+mod trace;
 mod traversal;
 mod verify;
 mod vpl;

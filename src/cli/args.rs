@@ -79,6 +79,24 @@ impl SceneArgs {
         }
     }
 
+    /// The words of a command line that asks for the same.
+    pub(super) fn words(&self) -> Vec<String> {
+        let mut words = vec![self.scene.display().to_string()];
+        let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
+        if let Some(format) = self.format {
+            add("--format", format.name().to_owned());
+        }
+        for (name, value) in &self.defines {
+            add("-D", format!("{name}={value}"));
+        }
+        if self.lights != LightSelection::Auto {
+            add("--lights", self.lights.name().to_owned());
+        }
+        words.extend(self.energy_compensation.then(|| String::from("--energy-compensation")));
+        words.extend(self.mip_maps.then(|| String::from("--mip-maps")));
+        words
+    }
+
     pub(super) fn load(&self) -> Result<Scene> {
         lumbre::scene::load(&self.scene, &self.options())
     }

@@ -1,5 +1,6 @@
 //! `lumbre render`.
 
+mod fireflies;
 mod job;
 mod keep;
 mod layers;
@@ -27,6 +28,7 @@ use super::args::{DeviceArgs, SceneArgs, parse_positive};
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
 use super::settings::SettingsArgs;
+use fireflies::Fireflies;
 use job::Job;
 use keep::CheckpointWriter;
 use progress::{BuildProgress, Progress};
@@ -79,6 +81,10 @@ pub(super) struct RenderArgs {
     /// Let AOVs tell what mirrors and smooth glass show, rather than these themselves
     #[arg(long)]
     aov_through_specular: bool,
+
+    /// Name the N brightest samples: pixel, sample, value, and the command that tells what happened to their paths. It costs some speed
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000), hide_default_value = true)]
+    fireflies: u32,
 
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
@@ -199,15 +205,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     building.finish();
     let mut renderer = built?;
     let mut progress = Progress::new(args.quiet, &job);
+    let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
     let target = args.error.map(ErrorTarget::new);
-    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress);
+    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress, &mut fireflies);
     progress.finish();
     let (seconds, next_look) = done.map_err(|error| keeper.explain(error))?;
     // Should it fail, the image is still to be written.
     let kept = keeper.save(&mut renderer, seconds, next_look);
 
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
-    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
+    let trace = |x, y, sample| trace_command(args, renderer.settings(), x, y, sample);
+    let found = fireflies.found(&renderer, trace)?;
+    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
     // Should they fail, the image is still to be written.
     let (aovs, lost) = match renderer.aovs() {
         Ok(aovs) => (aovs, None),
@@ -239,6 +248,7 @@ fn iterate(
     interrupted: &AtomicBool,
     keeper: &mut CheckpointWriter,
     progress: &mut Progress,
+    fireflies: &mut Fireflies,
 ) -> Result<(f64, Option<u32>)> {
     let rendering = Instant::now();
     let (before, next_look) = keeper.restore(renderer)?;
@@ -253,6 +263,7 @@ fn iterate(
         renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
         seconds = before + rendering.elapsed().as_secs_f64();
         progress.update(renderer, seconds);
+        fireflies.update(renderer)?;
         if renderer.spp() >= job.spp || interrupted.load(Ordering::Relaxed) {
             break;
         }
@@ -264,6 +275,15 @@ fn iterate(
         keeper.offer(renderer, seconds, target.map(|target| target.next()))?;
     }
     Ok((seconds, target.map(|target| target.next())))
+}
+
+/// The command that tells what happened to the paths of a sample of this rendering.
+fn trace_command(args: &RenderArgs, settings: &Settings, x: u32, y: u32, sample: u32) -> String {
+    let mut words = vec![String::from("lumbre"), String::from("trace")];
+    words.extend(args.scene.words());
+    words.extend(args.settings.words(settings));
+    words.extend([String::from("--pixel"), format!("{x},{y}"), String::from("--sample"), sample.to_string()]);
+    shlex::try_join(words.iter().map(String::as_str)).unwrap_or_else(|_| words.join(" "))
 }
 
 /// The outputs, each of which can be written.
@@ -337,6 +357,7 @@ fn settle(
         (None, Some(_)) => args.spp.unwrap_or(u32::MAX),
         (None, None) => asked_spp(args, scene, camera),
     };
+    settings.records = if args.fireflies > 0 { fireflies::ROOM } else { 0 };
     settings.expected_samples = expected_samples(args, scene, camera);
     Ok((settings, Job { outputs, spp, time: args.time }))
 }

@@ -81,4 +81,25 @@ impl SettingsArgs {
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
         Ok(settings)
     }
+    /// The words of a command line that asks for the same.
+    pub(super) fn words(&self, settings: &Settings) -> Vec<String> {
+        let mut words = vec![String::from("-i"), settings.technique.describe()];
+        let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
+        add("--size", format!("{}x{}", settings.width, settings.height));
+        if let Some(camera) = &self.camera {
+            add("--camera", camera.clone());
+        }
+        if let Some(Depth(depth)) = self.max_depth {
+            add("--max-depth", depth.map_or(-1, i64::from).to_string());
+        }
+        if let Some(depth) = self.rr_depth {
+            add("--rr-depth", depth.to_string());
+        }
+        if let Some(sampler) = self.sampler {
+            add("--sampler", sampler.name().to_owned());
+        }
+        add("--backend", settings.backend.name().to_owned());
+        add("--seed", settings.seed.to_string());
+        words
+    }
 }

@@ -53,7 +53,8 @@ pub struct Subpath {
 impl Subpath {
     /// Whether its last ray meets nothing.
     pub fn leaves_the_scene(&self) -> bool {
-        let goes_on = |vertex: &Vertex| !vertex.scatterings.is_empty() && !vertex.roulette.is_some_and(|roulette| roulette.ends);
+        let goes_on =
+            |vertex: &Vertex| !vertex.scatterings.is_empty() && !vertex.roulette.is_some_and(|roulette| roulette.ends);
         self.background.is_some() || self.vertices.last().is_some_and(goes_on)
     }
 }

@@ -14,6 +14,7 @@ use lumbre::render::{KernelSize, Renderer, Technique};
 use lumbre::scene::{Needs, Scene};
 
 use super::super::output::print;
+use super::fireflies::{Firefly, print_fireflies};
 
 /// The JSON object of `lumbre render`; its keys are a contract.
 #[derive(Serialize)]
@@ -50,6 +51,9 @@ pub(super) struct Report {
     /// What the technique has to say, by its key.
     #[serde(flatten)]
     technique: BTreeMap<&'static str, serde_json::Value>,
+    /// The brightest samples, where they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    fireflies: Vec<Firefly>,
     peak_device_bytes: u64,
     #[serde(skip)]
     technique_summary: Vec<String>,
@@ -127,8 +131,14 @@ impl Report {
                 .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
             technique: report.iter().map(|report| (report.key, report.figures.clone())).collect(),
             technique_summary: report.map_or(Vec::new(), |report| report.summary),
+            fireflies: Vec::new(),
             peak_device_bytes: gpu.peak_bytes(),
         })
+    }
+
+    /// The report with the brightest samples.
+    pub fn with_fireflies(self, fireflies: Vec<Firefly>) -> Self {
+        Self { fireflies, ..self }
     }
 
     /// Every setting and figure, for the EXR header.
@@ -206,6 +216,7 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
             .map_or(String::new(), |bad| format!("; the first at pixel ({}, {}), sample {}", bad.x, bad.y, bad.sample));
         print(&format!("nonfinite  {} samples were dropped{first}", report.nonfinite));
     }
+    print_fireflies(&report.fireflies);
     if report.spp == 0 {
         print("warning    the time was too short for one sample per pixel: part of the image is black");
     }

@@ -48,6 +48,11 @@ pub enum LightSelection {
 impl LightSelection {
     /// Every way, by its name on the command line.
     pub const ALL: [(&str, Self); 3] = [("auto", Self::Auto), ("power", Self::Power), ("tree", Self::Tree)];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, how)| *how == self).map_or("", |(name, _)| name)
+    }
 }
 
 impl std::str::FromStr for LightSelection {

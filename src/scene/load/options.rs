@@ -36,6 +36,11 @@ impl std::str::FromStr for SceneFormat {
 }
 
 impl SceneFormat {
+    /// Its first name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, format)| *format == self).map_or("", |(name, _)| name)
+    }
+
     /// The format that the extension of a file's name says.
     pub fn by_extension(path: &Path) -> Option<Self> {
         path.extension()?.to_string_lossy().to_lowercase().parse().ok()
