@@ -49,6 +49,7 @@ mod ply;
 mod radiosity;
 mod ranges;
 mod rays;
+mod record;
 mod recursion;
 mod references;
 mod report;

@@ -6,6 +6,7 @@ mod keep;
 mod layers;
 mod progress;
 mod pyramid;
+mod record;
 mod report;
 mod write;
 
@@ -85,6 +86,10 @@ pub(super) struct RenderArgs {
     /// Name the N brightest samples: pixel, sample, value, and the command that tells what happened to their paths. It costs some speed
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000), hide_default_value = true)]
     fireflies: u32,
+
+    /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that
+    #[arg(long, value_name = "DIR", conflicts_with = "resume")]
+    record: Option<PathBuf>,
 
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
@@ -204,6 +209,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
     building.finish();
     let mut renderer = built?;
+    if let Some(folder) = &args.record {
+        record::record(&gpu, &mut renderer, folder)?;
+    }
     let mut progress = Progress::new(args.quiet, &job);
     let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
     let target = args.error.map(ErrorTarget::new);

@@ -132,6 +132,7 @@ impl Buffer {
             gpu.count_allocation(size);
         }
         gpu.name(raw, name);
+        gpu.list_buffer(name, size, buffer.address);
         Ok(buffer)
     }
 
@@ -248,6 +249,7 @@ impl Drop for Buffer {
             // A failure here means that the allocator's own books are wrong; there is nobody to tell.
             let _ = self.gpu.with_allocator(|allocator| allocator.free(allocation));
         }
+        self.gpu.unlist_buffer(self.address);
         if self.counted {
             self.gpu.count_free(self.size);
         }

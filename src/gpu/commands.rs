@@ -4,6 +4,7 @@ use ash::vk;
 
 use super::buffer::Buffer;
 use super::device::Gpu;
+use super::journal::CommandRecord;
 use super::pipeline::{Bindings, Pipeline};
 use super::queue::{Recording, Work};
 use crate::error::Result;
@@ -23,11 +24,12 @@ impl Gpu {
 impl<'a> Commands<'a> {
     /// Runs `workgroups` workgroups of a pipeline with these push constants.
     pub fn dispatch(&mut self, pipeline: &'a Pipeline, bindings: &'a Bindings, push_constants: &[u8], workgroups: u32) {
-        let Recording { device, raw } = self.0;
+        let Recording { device, raw, .. } = self.0;
+        let told = || CommandRecord::dispatch(&pipeline.name, workgroups, push_constants);
         // SAFETY: the pipeline and the bindings were made for each other's layout by `Pipeline::bind`, and both live for
         // 'a, until the submission is done. The addresses in the push constants and uniforms are the caller's to keep
         // alive: the renderer owns every buffer that it passes on.
-        unsafe {
+        self.0.command(told, || unsafe {
             device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
             device.cmd_bind_descriptor_sets(
                 raw,
@@ -39,7 +41,7 @@ impl<'a> Commands<'a> {
             );
             device.cmd_push_constants(raw, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, push_constants);
             device.cmd_dispatch(raw, workgroups, 1, 1);
-        }
+        });
     }
 
     /// Everything before it is done and visible to everything after it, the host included.

@@ -10,6 +10,7 @@ use gpu_allocator::{AllocationSizes, AllocatorDebugSettings};
 use super::address_space;
 use super::fault::Fault;
 use super::instance::{Instance, InstanceShared};
+use super::journal::{BufferRecord, Journal, SubmissionRecord};
 use super::submission::Submission;
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
 use crate::error::{Error, Result, one_of};
@@ -40,6 +41,8 @@ pub struct Limits {
     pub max_buffer: u64,
     /// Whether shaders can add to 64-bit integers in buffers atomically (`shaderBufferInt64Atomics`).
     pub int64_atomics: bool,
+    /// Whether it counts the invocations of shaders (`pipelineStatisticsQuery`).
+    pub counts_invocations: bool,
 }
 
 pub(super) struct GpuShared {
@@ -53,6 +56,9 @@ pub(super) struct GpuShared {
     in_use: AtomicU64,
     peak: AtomicU64,
     submission: Mutex<Submission>,
+    pub(super) journal: Mutex<Option<Journal>>,
+    /// What there is: name, bytes and address of each buffer.
+    buffers: Mutex<Vec<(String, u64, u64)>>,
     pub(super) fault: Fault,
     pub(super) instance: Arc<InstanceShared>,
 }
@@ -112,8 +118,10 @@ impl Gpu {
         let extensions: Vec<_> = RAY_QUERY_EXTENSIONS.iter().filter(|_| ray_query).map(|name| name.as_ptr()).collect();
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
-        let features = vk::PhysicalDeviceFeatures::default().shader_int64(true);
         let limits = Limits::read(raw_instance, survey.raw, ray_query, has_timestamps);
+        let features = vk::PhysicalDeviceFeatures::default()
+            .shader_int64(true)
+            .pipeline_statistics_query(limits.counts_invocations);
         let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default()
             .buffer_device_address(true)
             .scalar_block_layout(true)
@@ -157,6 +165,8 @@ impl Gpu {
                 in_use: AtomicU64::new(0),
                 peak: AtomicU64::new(0),
                 submission: Mutex::new(submission),
+                journal: Mutex::new(None),
+                buffers: Mutex::new(Vec::new()),
                 fault,
                 survey,
                 instance: instance.shared.clone(),
@@ -254,6 +264,55 @@ impl Gpu {
             .map_or(0, |(heap, (budget, usage))| (*budget).min(heap.size).saturating_sub(*usage))
     }
 
+    /// Begins to write down what the queue is given.
+    pub fn start_journal(&self) -> Result<()> {
+        let journal = Journal::new(&self.shared.raw, self.limits().counts_invocations);
+        *self.journal() = Some(journal.map_err(self.failed("create the query pools of a journal"))?);
+        Ok(())
+    }
+
+    /// Ends that: what the queue was given since then, and the buffers that there are now, by name.
+    pub fn end_journal(&self) -> (Vec<SubmissionRecord>, Vec<BufferRecord>) {
+        let journal = self.journal().take();
+        let submissions = journal.map_or(Vec::new(), |journal| {
+            // SAFETY: each submission is waited for, so that nothing uses the pools.
+            unsafe { journal.destroy(&self.shared.raw) };
+            journal.into_submissions()
+        });
+        let mut buffers: Vec<BufferRecord> = self
+            .buffers()
+            .iter()
+            .map(|(name, size, address)| BufferRecord {
+                name: name.clone(),
+                size: *size,
+                address: format!("{address:016x}"),
+            })
+            .collect();
+        buffers.sort_by(|one, other| one.address.cmp(&other.address));
+        (submissions, buffers)
+    }
+
+    pub(super) fn journal(&self) -> MutexGuard<'_, Option<Journal>> {
+        self.shared.journal.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn buffers(&self) -> MutexGuard<'_, Vec<(String, u64, u64)>> {
+        self.shared.buffers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes note of a buffer.
+    pub(super) fn list_buffer(&self, name: &str, size: u64, address: u64) {
+        self.buffers().push((name.to_owned(), size, address));
+    }
+
+    /// Forgets the buffer of that address.
+    pub(super) fn unlist_buffer(&self, address: u64) {
+        let mut buffers = self.buffers();
+        if let Some(index) = buffers.iter().rposition(|(.., own)| *own == address) {
+            buffers.swap_remove(index);
+        }
+    }
+
     /// Begins a new measurement of the peak.
     pub fn reset_peak(&self) {
         self.shared.peak.store(self.bytes_in_use(), Ordering::Relaxed);
@@ -319,7 +378,9 @@ impl Limits {
         let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
         // SAFETY: as above.
         unsafe { instance.get_physical_device_features2(device, &mut features) };
+        let base = features.features;
         Self {
+            counts_invocations: base.pipeline_statistics_query == vk::TRUE,
             int64_atomics: vulkan12.shader_buffer_int64_atomics == vk::TRUE,
             max_workgroups: limits.max_compute_work_group_count[0],
             timestamp_period: if has_timestamps { f64::from(limits.timestamp_period) } else { 0.0 },
@@ -348,6 +409,9 @@ impl Drop for GpuShared {
         // on the queue, because each submission is waited for.
         unsafe {
             let _ = self.raw.device_wait_idle();
+            if let Some(journal) = self.journal.get_mut().unwrap_or_else(PoisonError::into_inner).take() {
+                journal.destroy(&self.raw);
+            }
             self.submission.get_mut().unwrap_or_else(PoisonError::into_inner).destroy(&self.raw);
             drop(self.allocator.get_mut().unwrap_or_else(PoisonError::into_inner).take());
             self.raw.destroy_device(None);

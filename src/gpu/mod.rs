@@ -10,6 +10,7 @@ mod commands;
 mod device;
 mod fault;
 mod instance;
+mod journal;
 mod mesa;
 mod pipeline;
 mod queue;
@@ -21,6 +22,7 @@ pub use commands::Commands;
 pub use device::{Gpu, Limits};
 
 pub use instance::Instance;
+pub use journal::{BufferRecord, CommandRecord, SubmissionRecord};
 pub use mesa::{compile_quickly, with_the_users_environment};
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use queue::Work;

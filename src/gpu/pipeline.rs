@@ -71,6 +71,8 @@ impl Kernel {
 pub struct Pipeline {
     /// Instructions of the module, and of what its constants leave of it; the same where the driver is left to find out.
     pub instructions: (usize, usize),
+    /// The module's name.
+    pub(super) name: String,
     gpu: Gpu,
     pub(super) raw: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
@@ -116,6 +118,7 @@ impl Pipeline {
             .collect();
         let mut new = Self {
             instructions: (made.before, left),
+            name: name.to_owned(),
             gpu: gpu.clone(),
             raw: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),

@@ -3,11 +3,13 @@
 //! Passes of one submission are separated by one global memory barrier: they hand whole buffers to each other, so nothing
 //! finer would let the device overlap more.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use ash::vk;
 
 use super::device::Gpu;
+use super::journal::{CommandRecord, Journal};
 use crate::error::{Error, Result};
 
 /// How long a submission took.
@@ -24,11 +26,30 @@ pub struct Work {
 pub(super) struct Recording<'a> {
     pub(super) device: &'a ash::Device,
     pub(super) raw: vk::CommandBuffer,
+    /// Where there is a journal.
+    journal: Option<&'a Mutex<Option<Journal>>>,
 }
 
 impl Recording<'_> {
+    /// Records a command; where there is a journal, `told` says what it is, and it is timed.
+    pub(super) fn command(&self, told: impl FnOnce() -> CommandRecord, record: impl FnOnce()) {
+        let journal = self.journal.map(|journal| journal.lock().unwrap_or_else(PoisonError::into_inner));
+        match journal {
+            Some(mut journal) => match journal.as_mut() {
+                Some(journal) => journal.record(self.device, self.raw, told(), record),
+                None => record(),
+            },
+            None => record(),
+        }
+    }
+
     /// Everything before it is done and visible to everything after it, the host included.
     pub(super) fn barrier(&self) {
+        let told = || CommandRecord::new("barrier", "all writes before all reads and writes, the host's too");
+        self.command(told, || self.barrier_raw());
+    }
+
+    fn barrier_raw(&self) {
         let stages = vk::PipelineStageFlags2::ALL_COMMANDS | vk::PipelineStageFlags2::HOST;
         let barriers = [vk::MemoryBarrier2::default()
             .src_stage_mask(stages)
@@ -47,8 +68,9 @@ impl Recording<'_> {
     /// The buffer is of this device and alive until the submission is done; its size is a multiple of four.
     pub(super) unsafe fn clear(&self, buffer: vk::Buffer) {
         self.barrier();
+        let told = || CommandRecord::new("fill", "with zeros");
         // SAFETY: the caller says what this needs.
-        unsafe { self.device.cmd_fill_buffer(self.raw, buffer, 0, vk::WHOLE_SIZE, 0) };
+        self.command(told, || unsafe { self.device.cmd_fill_buffer(self.raw, buffer, 0, vk::WHOLE_SIZE, 0) });
         self.barrier();
     }
 }
@@ -95,7 +117,8 @@ impl Gpu {
             device.cmd_reset_query_pool(commands, submission.timestamps, 0, 2);
             device.cmd_write_timestamp2(commands, vk::PipelineStageFlags2::NONE, submission.timestamps, 0);
         }
-        record(&Recording { device, raw: commands });
+        let journal = self.journal().as_mut().map(|journal| journal.begin(device, commands));
+        record(&Recording { device, raw: commands, journal: journal.map(|()| &self.shared.journal) });
         let started;
         // SAFETY: as above; the fence is unsignalled because each wait is followed by a reset.
         unsafe {
@@ -109,6 +132,9 @@ impl Gpu {
             device.reset_fences(&[submission.fence]).map_err(lost)?;
         }
         let wall = started.elapsed();
+        if let Some(journal) = self.journal().as_mut() {
+            journal.end(device, self.limits().timestamp_period, pass, work, started);
+        }
         let period = self.limits().timestamp_period;
         let mut ticks = [0u64; 2];
         // SAFETY: both queries were written by the submission that the fence says is done.
@@ -137,8 +163,9 @@ impl Gpu {
         let is_lost = self.shared.fault.has_lost_device();
         self.submit(what, &format!("{} bytes", region.size), is_lost, |recording| {
             recording.barrier();
+            let told = || CommandRecord::new("copy", what);
             // SAFETY: the caller says what this needs; the submission is done before this returns.
-            unsafe { recording.device.cmd_copy_buffer(recording.raw, from, to, &[region]) };
+            recording.command(told, || unsafe { recording.device.cmd_copy_buffer(recording.raw, from, to, &[region]) });
             recording.barrier();
         })?;
         Ok(())

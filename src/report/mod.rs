@@ -5,7 +5,7 @@
 pub(crate) mod chart;
 mod csv;
 mod figures;
-pub(crate) mod html;
+pub mod html;
 pub(crate) mod number;
 mod page;
 pub(crate) mod pictures;
