@@ -59,6 +59,7 @@ mod scenes;
 mod soak;
 mod spirv;
 mod strategies;
+mod tour;
 mod trace;
 mod traversal;
 mod verify;

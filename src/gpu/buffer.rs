@@ -6,6 +6,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
 use super::device::Gpu;
+use super::omission::{Step, omits};
 use crate::error::{Bytes, Error, Result};
 
 /// Bytes that one staging copy moves: bounds the host memory of an upload of any size.
@@ -94,10 +95,16 @@ impl Buffer {
         if gpu.shared.fault.refuses_buffer() {
             return Err(out_of_memory(String::from(" (asked for by a test)")));
         }
-        let usage = usage
+        let mut usage = usage
             | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
+        if omits(Step::AddressUsage) {
+            usage &= !vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        }
+        if omits(Step::StructureInput) {
+            usage &= !vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR;
+        }
         let info = vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         let device = &gpu.shared.raw;
         // SAFETY: the device is alive and the size is not zero.
@@ -121,7 +128,8 @@ impl Buffer {
             .ok_or_else(|| Error::Device(String::from("the device is being closed")))?
             .map_err(|error| out_of_memory(format!(" ({error})")))?;
         // SAFETY: the memory was allocated for this buffer's requirements and is bound once.
-        let bound = unsafe { device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        let bind = || unsafe { device.bind_buffer_memory(raw, allocation.memory(), allocation.offset()) };
+        let bound = if omits(Step::BindMemory) { Ok(()) } else { bind() };
         buffer.allocation = Some(allocation);
         bound.map_err(gpu.failed(format!("bind memory to '{name}'")))?;
         // SAFETY: the buffer has memory and was created with SHADER_DEVICE_ADDRESS.
@@ -243,8 +251,10 @@ impl Buffer {
 
 impl Drop for Buffer {
     fn drop(&mut self) {
-        // SAFETY: nothing on the queue uses it: every submission is waited for before the call that made it returns.
-        unsafe { self.gpu.shared.raw.destroy_buffer(self.raw, None) };
+        if !omits(Step::Destroy) {
+            // SAFETY: nothing on the queue uses it: every submission is waited for before the call that made it returns.
+            unsafe { self.gpu.shared.raw.destroy_buffer(self.raw, None) };
+        }
         if let Some(allocation) = self.allocation.take() {
             // A failure here means that the allocator's own books are wrong; there is nobody to tell.
             let _ = self.gpu.with_allocator(|allocator| allocator.free(allocation));

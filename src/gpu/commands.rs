@@ -5,6 +5,7 @@ use ash::vk;
 use super::buffer::Buffer;
 use super::device::Gpu;
 use super::journal::CommandRecord;
+use super::omission::{Step, omits};
 use super::pipeline::{Bindings, Pipeline};
 use super::queue::{Recording, Work};
 use crate::error::Result;
@@ -31,15 +32,19 @@ impl<'a> Commands<'a> {
         // alive: the renderer owns every buffer that it passes on.
         self.0.command(told, || unsafe {
             device.cmd_bind_pipeline(raw, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
-            device.cmd_bind_descriptor_sets(
-                raw,
-                vk::PipelineBindPoint::COMPUTE,
-                pipeline.layout,
-                0,
-                &[bindings.set],
-                &[],
-            );
-            device.cmd_push_constants(raw, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, push_constants);
+            if !omits(Step::DescriptorSet) {
+                device.cmd_bind_descriptor_sets(
+                    raw,
+                    vk::PipelineBindPoint::COMPUTE,
+                    pipeline.layout,
+                    0,
+                    &[bindings.set],
+                    &[],
+                );
+            }
+            if !omits(Step::PushConstants) {
+                device.cmd_push_constants(raw, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, push_constants);
+            }
             device.cmd_dispatch(raw, workgroups, 1, 1);
         });
     }

@@ -11,6 +11,7 @@ use super::address_space;
 use super::fault::Fault;
 use super::instance::{Instance, InstanceShared};
 use super::journal::{BufferRecord, Journal, SubmissionRecord};
+use super::omission::{Step, omits};
 use super::submission::Submission;
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
 use crate::error::{Error, Result, one_of};
@@ -123,7 +124,7 @@ impl Gpu {
             .shader_int64(true)
             .pipeline_statistics_query(limits.counts_invocations);
         let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default()
-            .buffer_device_address(true)
+            .buffer_device_address(!omits(Step::Features))
             .scalar_block_layout(true)
             .shader_buffer_int64_atomics(limits.int64_atomics);
         let mut vulkan13 = vk::PhysicalDeviceVulkan13Features::default().synchronization2(true).maintenance4(true);
@@ -149,7 +150,7 @@ impl Gpu {
             device: raw.clone(),
             physical_device: survey.raw,
             debug_settings: AllocatorDebugSettings::default(),
-            buffer_device_address: true,
+            buffer_device_address: !omits(Step::AddressMemory),
             allocation_sizes: AllocationSizes::new(32 << 20, 16 << 20),
         })
         .map_err(|error| Error::Device(format!("no allocator for {}: {error}", survey.name)))?;

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use ash::{ext, vk};
 
 use super::mesa;
+use super::omission::{self, Step};
 use super::survey::{Survey, version_text};
 use crate::error::{Error, Result};
 
@@ -38,6 +39,7 @@ impl Instance {
     /// Loads Vulkan. With `validate`, every call is checked by the Khronos validation layer, which must be installed.
     pub fn new(validate: bool) -> Result<Self> {
         mesa::widen();
+        omission::read()?;
         // SAFETY: loading the library runs its initialisers; the Vulkan loader's have no precondition.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| {
             Error::Device(format!(
@@ -75,7 +77,7 @@ impl Instance {
         let application = vk::ApplicationInfo::default()
             .application_name(c"lumbre")
             .engine_name(c"lumbre")
-            .api_version(vk::API_VERSION_1_3);
+            .api_version(if omission::omits(Step::ApiVersion) { vk::API_VERSION_1_0 } else { vk::API_VERSION_1_3 });
         let info = vk::InstanceCreateInfo::default()
             .application_info(&application)
             .enabled_layer_names(&layers)
@@ -147,6 +149,10 @@ unsafe extern "system" fn on_message(
     // SAFETY: Vulkan passes a valid structure whose message is null or a C string.
     let text = unsafe { (*data).message_as_c_str() };
     let text = text.map_or_else(String::new, |text| text.to_string_lossy().into_owned());
+    if omission::omits_any() {
+        // What comes next may end the process.
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("validation: {text}\n"));
+    }
     messages.lock().unwrap_or_else(PoisonError::into_inner).push(text);
     vk::FALSE
 }

@@ -12,6 +12,7 @@ mod fault;
 mod instance;
 mod journal;
 mod mesa;
+mod omission;
 mod pipeline;
 mod queue;
 mod submission;

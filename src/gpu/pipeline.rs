@@ -8,6 +8,7 @@ use ash::vk;
 use super::accel::Tlas;
 use super::buffer::Buffer;
 use super::device::Gpu;
+use super::omission::{Step, omits};
 use crate::error::{Error, Result};
 use crate::layout;
 use crate::spirv::{self, Arithmetic, Specialised};
@@ -134,8 +135,9 @@ impl Pipeline {
         let ranges = [vk::PushConstantRange::default()
             .stage_flags(vk::ShaderStageFlags::COMPUTE)
             .size(size_of::<layout::FrameConstants>() as u32)];
-        let layout_info =
-            vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(&ranges);
+        let layout_info = vk::PipelineLayoutCreateInfo::default()
+            .set_layouts(&set_layouts)
+            .push_constant_ranges(if omits(Step::PushConstantRange) { &[] } else { &ranges });
         // SAFETY: as above.
         new.layout = unsafe { device.create_pipeline_layout(&layout_info, None) }
             .map_err(gpu.failed(format!("create the pipeline layout of {name}")))?;

@@ -10,6 +10,7 @@ use ash::vk;
 
 use super::device::Gpu;
 use super::journal::{CommandRecord, Journal};
+use super::omission::{Step, omits};
 use crate::error::{Error, Result};
 
 /// How long a submission took.
@@ -50,6 +51,9 @@ impl Recording<'_> {
     }
 
     fn barrier_raw(&self) {
+        if omits(Step::Barrier) {
+            return;
+        }
         let stages = vk::PipelineStageFlags2::ALL_COMMANDS | vk::PipelineStageFlags2::HOST;
         let barriers = [vk::MemoryBarrier2::default()
             .src_stage_mask(stages)
@@ -114,7 +118,9 @@ impl Gpu {
             device.reset_command_buffer(commands, vk::CommandBufferResetFlags::empty()).map_err(lost)?;
             let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
             device.begin_command_buffer(commands, &begin).map_err(lost)?;
-            device.cmd_reset_query_pool(commands, submission.timestamps, 0, 2);
+            if !omits(Step::QueryReset) {
+                device.cmd_reset_query_pool(commands, submission.timestamps, 0, 2);
+            }
             device.cmd_write_timestamp2(commands, vk::PipelineStageFlags2::NONE, submission.timestamps, 0);
         }
         let journal = self.journal().as_mut().map(|journal| journal.begin(device, commands));
@@ -123,13 +129,17 @@ impl Gpu {
         // SAFETY: as above; the fence is unsignalled because each wait is followed by a reset.
         unsafe {
             device.cmd_write_timestamp2(commands, vk::PipelineStageFlags2::ALL_COMMANDS, submission.timestamps, 1);
-            device.end_command_buffer(commands).map_err(lost)?;
+            if !omits(Step::EndCommands) {
+                device.end_command_buffer(commands).map_err(lost)?;
+            }
             let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
             let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
             started = Instant::now();
             device.queue_submit2(submission.queue, &submit, submission.fence).map_err(lost)?;
             device.wait_for_fences(&[submission.fence], true, u64::MAX).map_err(lost)?;
-            device.reset_fences(&[submission.fence]).map_err(lost)?;
+            if !omits(Step::FenceReset) {
+                device.reset_fences(&[submission.fence]).map_err(lost)?;
+            }
         }
         let wall = started.elapsed();
         if let Some(journal) = self.journal().as_mut() {
