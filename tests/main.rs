@@ -29,6 +29,7 @@ mod gltf;
 mod gltf_broken;
 mod gltf_extensions;
 mod hostile;
+mod installed;
 mod killed;
 mod layout;
 mod lecture;

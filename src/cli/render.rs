@@ -28,6 +28,7 @@ use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
 use job::Job;
 use keep::CheckpointWriter;
+pub(super) use layers::names as layer_names;
 use progress::{BuildProgress, Progress};
 
 /// Samples per pixel where neither the command line nor the scene says.

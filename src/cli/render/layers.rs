@@ -19,6 +19,11 @@ pub(super) struct Layer {
     aov: Option<&'static AovRow>,
 }
 
+/// The layers that can be asked for.
+pub(in crate::cli) fn names() -> Vec<&'static str> {
+    OF_FILM.into_iter().chain(AOVS.iter().map(|row| row.name)).chain([ALL]).collect()
+}
+
 /// The layers that the command line asks for.
 pub(super) fn parse(names: &[String]) -> Result<Vec<Layer>> {
     let mut layers: Vec<Layer> = Vec::new();
@@ -29,8 +34,7 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<Layer>> {
                 layers.push(Layer { name: name.to_owned(), aov })
             }
             _ => {
-                let valid = OF_FILM.into_iter().chain(AOVS.iter().map(|row| row.name)).chain([ALL]);
-                return Err(Error::Usage(format!("no layer '{name}': valid are {}", one_of(valid))));
+                return Err(Error::Usage(format!("no layer '{name}': valid are {}", one_of(self::names()))));
             }
         }
     }
