@@ -1,5 +1,6 @@
-//! Completions that complete, and a manual page of each subcommand.
+//! What `make install` brings besides the program: completions that complete, a manual page of each subcommand, and nothing that stays behind.
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use lumbre::techniques::TECHNIQUES;
@@ -57,4 +58,55 @@ fn every_subcommand_has_a_manual_page() {
         assert!(whole.contains(&format!("lumbre\\-{name}(1)")), "{name}");
     }
     assert!(page("lumbre-render").contains("radiosity") && whole.contains(".SH EXAMPLES\n.nf\nlumbre render"));
+}
+
+/// The files below a folder, by their paths from there.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut queue = vec![folder.to_owned()];
+    while let Some(next) = queue.pop() {
+        for path in std::fs::read_dir(&next).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() { queue.push(path) } else { found.push(path.strip_prefix(folder).unwrap().to_owned()) }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A later version takes the files of the one before away, and uninstalling leaves what others have put there.
+#[test]
+fn installing_and_uninstalling_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, "").unwrap();
+    };
+    for name in ["bin/lumbre", "share/man/man1/lumbre.1", "share/doc/lumbre/scenes/a scene.xml"] {
+        write(&format!("first/{name}"));
+        write(&format!("prefix/{}", name.replace("lumbre", "other")));
+    }
+    write("second/bin/lumbre");
+    let prefix = folder.path().join("prefix");
+    let others = files(&prefix);
+    let install = |arguments: &[&str]| {
+        let mut command = Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/packaging/install"));
+        command.args(arguments).current_dir(folder.path());
+        command
+    };
+    works(install(&["first", "prefix"]));
+    assert_eq!(files(&prefix).len(), others.len() + 4);
+    works(install(&["second", "prefix"]));
+    let list = Path::new("share/doc/lumbre/FILES");
+    let mut now = others.clone();
+    now.extend([PathBuf::from("bin/lumbre"), list.to_owned()]);
+    now.sort();
+    assert_eq!(files(&prefix), now);
+    // A list that names what is not lumbre's takes nothing away.
+    let path = prefix.join(list);
+    let listed = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, format!("{listed}bin/other\nshare/doc/lumbre/../other/scenes/a scene.xml\n")).unwrap();
+    works(install(&["--remove", "prefix"]));
+    assert_eq!(files(&prefix), others);
+    assert!(fails(install(&["--remove", "prefix"]), 1).contains("no lumbre is installed below prefix"));
 }
