@@ -59,6 +59,7 @@ mod scenes;
 mod soak;
 mod spirv;
 mod strategies;
+mod tev;
 mod traversal;
 mod verify;
 mod vpl;

@@ -6,6 +6,7 @@ mod layers;
 mod progress;
 mod pyramid;
 mod report;
+mod tev;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -30,6 +31,7 @@ use job::Job;
 use keep::CheckpointWriter;
 pub(super) use layers::names as layer_names;
 use progress::{BuildProgress, Progress};
+use tev::Viewer;
 
 /// Samples per pixel where neither the command line nor the scene says.
 const DEFAULT_SPP: u32 = 64;
@@ -118,6 +120,10 @@ pub(super) struct RenderArgs {
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+
+    /// Show the picture in progress in the viewer tev that listens there; localhost:14158 by its default
+    #[arg(long, value_name = "HOST:PORT", value_parser = tev::parse)]
+    tev: Option<String>,
 
     /// Keep the rendering in this file, so that --resume can go on if it ends before its time; the one before it is FILE.previous
     #[arg(long, value_name = "FILE")]
@@ -238,8 +244,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     building.finish();
     let mut renderer = built?;
     let mut progress = Progress::new(args.quiet, &job);
+    let mut viewer = Viewer::new(args.tev.as_deref(), &scene, &settings, args.quiet);
     let target = args.error.map(ErrorTarget::new);
-    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress);
+    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, (&mut progress, &mut viewer));
     progress.finish();
     let (seconds, next_look) = done.map_err(|error| keeper.explain(error))?;
     // Should it fail, the image is still to be written.
@@ -256,7 +263,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(aovs) = &aovs {
         picture.header.extend(layers::header(&layers, &scene, aovs));
     }
-    write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
+    let written = write::write_outputs(&job.outputs, &film, &picture, &keeper);
+    viewer.finish(&picture.image);
+    written?;
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
@@ -277,7 +286,7 @@ fn iterate(
     mut target: Option<ErrorTarget>,
     interrupted: &AtomicBool,
     keeper: &mut CheckpointWriter,
-    progress: &mut Progress,
+    (progress, viewer): (&mut Progress, &mut Viewer),
 ) -> Result<(f64, Option<u32>)> {
     let rendering = Instant::now();
     let (before, next_look) = keeper.restore(renderer)?;
@@ -292,6 +301,7 @@ fn iterate(
         renderer.advance(target.map_or(job.spp, |target| target.next().min(job.spp)))?;
         seconds = before + rendering.elapsed().as_secs_f64();
         progress.update(renderer, seconds);
+        viewer.offer(renderer)?;
         if renderer.spp() >= job.spp || interrupted.load(Ordering::Relaxed) {
             break;
         }
