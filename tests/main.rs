@@ -20,6 +20,7 @@ mod caustic;
 mod checkpoint;
 mod cli;
 mod cli_bench;
+mod denoise;
 mod docs;
 mod error_target;
 mod faults;

@@ -1,5 +1,6 @@
 //! `lumbre render`.
 
+mod denoise;
 mod job;
 mod keep;
 mod layers;
@@ -15,6 +16,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use lumbre::denoise::Denoiser;
 use lumbre::error::{Error, Result, one_of};
 use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
@@ -117,6 +119,11 @@ pub(super) struct RenderArgs {
     #[arg(long)]
     aov_through_specular: bool,
 
+    /// Denoise the image by Open Image Denoise, where its library is installed, with its albedo and normals; the layer `noisy` of an EXR is
+    /// the image as it was. For techniques whose noise is independent from pixel to pixel
+    #[arg(long, conflicts_with_all = ["lengths", "strategies"])]
+    denoise: bool,
+
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -205,10 +212,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if layers.is_empty() && has_exr(&job.outputs) {
         layers = layers::of_scene(&scene)?;
     }
+    let denoiser = args.denoise.then(Denoiser::open).transpose()?;
+    if denoiser.is_some() {
+        layers = layers::with_noisy(layers)?;
+    }
     let through_specular = args.aov_through_specular;
-    settings.aovs = layers::have_aovs(&layers).then_some(AovSettings { through_specular });
+    settings.aovs = (denoiser.is_some() || layers::have_aovs(&layers)).then_some(AovSettings { through_specular });
     if through_specular && settings.aovs.is_none() {
-        let message = "--aov-through-specular is about AOVs, and none is asked for: valid is with --aov";
+        let message = "--aov-through-specular is about AOVs, and none is asked for: valid is with --aov or --denoise";
         return Err(Error::Usage(String::from(message)));
     }
     if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
@@ -253,13 +264,21 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let kept = keeper.save(&mut renderer, seconds, next_look);
 
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
-    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
+    let mut result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
     // Should they fail, the image is still to be written.
-    let (aovs, lost) = match renderer.aovs() {
+    let (aovs, mut lost) = match renderer.aovs() {
         Ok(aovs) => (aovs, None),
         Err(error) => (None, Some(error)),
     };
+    let mut denoised = None;
+    if let (Some(denoiser), Some(aovs)) = (&denoiser, &aovs) {
+        match denoise::denoise(denoiser, &film.mean(), aovs) {
+            Ok(image) => (denoised, result.denoiser) = (Some(image), Some(denoiser.name())),
+            Err(error) => lost = Some(error),
+        }
+    }
     let mut picture = report::picture(&film, &result, layers::images(&layers, &film, aovs.as_ref()));
+    picture.image = denoised.unwrap_or(picture.image);
     if let Some(aovs) = &aovs {
         picture.header.extend(layers::header(&layers, &scene, aovs));
     }
@@ -362,6 +381,9 @@ fn settle(
             "--error with {}: its samples are correlated, so their variance does not tell the error; valid are -n and -t",
             technique.row.name
         )));
+    }
+    if args.denoise {
+        denoise::check(technique.row)?;
     }
     let mut settings = Settings::new(scene, technique, choose_backend(&args.backend, gpu)?);
     let camera = scene.camera(args.camera.as_deref())?;

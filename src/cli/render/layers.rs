@@ -41,6 +41,15 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<Layer>> {
     distinct(layers)
 }
 
+/// The layer of a denoised image that holds it as it was.
+const NOISY: &str = "noisy";
+
+/// The layers of a denoised image.
+pub(super) fn with_noisy(mut layers: Vec<Layer>) -> Result<Vec<Layer>> {
+    layers.push(Layer { name: String::from(NOISY), aov: None });
+    distinct(layers)
+}
+
 /// The layers that a scene's file asks for.
 pub(super) fn of_scene(scene: &Scene) -> Result<Vec<Layer>> {
     let layer = |(name, shown): &(String, &'static str)| Layer { name: name.clone(), aov: find(shown) };
@@ -70,6 +79,7 @@ pub(super) fn images(layers: &[Layer], film: &Film, aovs: Option<&AovFilm>) -> V
             (Some(row), Some(aovs)) => NamedLayer { name, channels: row.channels, image: image(aovs.values(row)) },
             (Some(_), None) => return None,
             (None, _) if layer.name == OF_FILM[0] => NamedLayer::colours(name, film.mean_variance()),
+            (None, _) if layer.name == NOISY => NamedLayer::colours(name, film.mean()),
             (None, _) => NamedLayer::colours(name, image(film.counts.iter().map(|count| [*count as f32; 3]).collect())),
         })
     };
