@@ -1,5 +1,6 @@
 # Two commands: `make demo` renders the Cornell box to out/, `make test` checks everything. Both install what the machine
 # lacks first (.ci/setup), and cost nothing extra where nothing is missing. They share what they compile: one profile for all.
+# `make install PREFIX=/usr/local DESTDIR=` installs the program with its completions, manual pages and scenes; `make uninstall`; `make dist`.
 
 CARGO ?= cargo
 export CARGO
@@ -12,7 +13,13 @@ KNOWN = the_whole_canon
 # What `cargo fmt` does not find by itself, for a macro makes the modules of it.
 FAMILIES = src/techniques/*/*.rs
 
-.PHONY: demo build test quick thorough bench lecture soak clean
+# Where `make install` puts the program; DESTDIR goes before it, for whoever makes packages.
+PREFIX ?= /usr/local
+DESTDIR ?=
+# What is installed, as it lies below the prefix.
+PACKAGE = out/package
+
+.PHONY: demo build package install uninstall dist test quick thorough bench lecture soak clean
 
 demo: build
 	@mkdir -p out
@@ -21,6 +28,21 @@ demo: build
 build:
 	@.ci/setup build
 	$(CARGO) build --release
+
+package: build
+	@packaging/stage $(PACKAGE)
+
+# `sudo make install` need not find cargo: what `make package` left is installed then.
+install: $(if $(shell command -v $(CARGO)),package)
+	@[ -d $(PACKAGE) ] || { echo "error: there is no $(PACKAGE): run make package first, as a user who has cargo" >&2; exit 1; }
+	@packaging/install $(PACKAGE) "$(DESTDIR)$(PREFIX)"
+
+uninstall:
+	@packaging/install --remove "$(DESTDIR)$(PREFIX)"
+
+# A tarball that needs nothing but the Vulkan loader and a driver: out/dist/.
+dist: package
+	@packaging/dist $(PACKAGE) out/dist
 
 test:
 	@.ci/setup test

@@ -77,6 +77,10 @@ pub enum Error {
         work: String,
     },
 
+    /// The image could not be denoised.
+    #[error("Open Image Denoise: {0}")]
+    Denoise(String),
+
     /// A rendering ended before its time; what is left of it.
     #[error("{cause}; {kept}")]
     Stopped {

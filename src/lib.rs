@@ -39,6 +39,7 @@
 pub mod bench;
 pub mod bvh;
 pub mod checkpoint;
+pub mod denoise;
 pub mod error;
 pub mod files;
 pub mod gpu;

@@ -323,31 +323,3 @@ fn the_page_has_the_table() {
         assert!(page.contains(&line), "docs/aovs.md lacks: {line}");
     }
 }
-
-/// Open Image Denoise takes albedo and normal as they are: with them it leaves less than a quarter of the error. Where Python has no such library
-/// (`LUMBRE_TEST_PYTHON` names one that has), there is nothing to test.
-#[test]
-fn open_image_denoise_takes_the_layers() {
-    let python = std::env::var("LUMBRE_TEST_PYTHON").unwrap_or_else(|_| String::from("python3"));
-    let has_library = std::process::Command::new(&python).args(["-c", "import pyoidn, OpenEXR, numpy"]).output();
-    if !has_library.is_ok_and(|output| output.status.success()) {
-        eprintln!("not tested: {python} has no pyoidn, OpenEXR and numpy");
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    works(render(folder.path(), "cornell.xml", "-n 4 --size 64x64 --aov albedo,normal -o noisy.exr"));
-    works(render(folder.path(), "cornell.xml", "-n 256 --seed 7 --size 64x64 -o reference.exr"));
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/denoise.py");
-    let output = std::process::Command::new(&python)
-        .args([script, "noisy.exr", "denoised.exr", "--reference", "reference.exr"])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
-    let error = |what: &str| -> f64 {
-        let line = said.lines().find(|line| line.ends_with(what)).unwrap_or_else(|| panic!("{said}"));
-        line.split_whitespace().nth(1).unwrap().parse().unwrap()
-    };
-    assert!(error("denoised with albedo and normal") < 0.25 * error("noisy"), "{said}");
-}

@@ -73,3 +73,24 @@ fn folders_know_only_those_below() {
         descend(&uses, &mut vec![folder], &mut done);
     }
 }
+
+/// Where `unsafe` may stand: Vulkan, and the one other library in C.
+const UNSAFE: [&str; 2] = ["src/gpu/", "src/denoise/library.rs"];
+
+#[test]
+fn unsafe_code_is_where_c_is_called() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut all = Vec::new();
+    files(&root.join("src"), 0, &mut all);
+    let mut found = BTreeSet::new();
+    for (_, file) in all {
+        let text = std::fs::read_to_string(&file).unwrap();
+        let mut code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+        if code.any(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "unsafe")) {
+            let name = file.strip_prefix(root).unwrap().display().to_string();
+            let place = UNSAFE.iter().find(|place| name.starts_with(**place));
+            found.insert(*place.unwrap_or_else(|| panic!("{name} has unsafe code, which belongs to {UNSAFE:?}")));
+        }
+    }
+    assert_eq!(found, BTreeSet::from(UNSAFE));
+}

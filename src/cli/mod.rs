@@ -3,12 +3,15 @@
 mod args;
 mod bench;
 mod compare;
+mod completions;
 mod devices;
 mod host;
 mod info;
 mod interrupt;
+mod known;
 mod lecture;
 mod list;
+mod man;
 mod markdown;
 mod output;
 mod rays;
@@ -56,6 +59,15 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// List the techniques and their parameters
     List(list::ListArgs),
+    /// Write a shell's completions to standard output
+    Completions(completions::CompletionsArgs),
+    /// Write the manual pages
+    Man(man::ManArgs),
+}
+
+/// The whole command line, to be asked about.
+fn whole_command() -> clap::Command {
+    Cli::command()
 }
 
 /// Runs the command line; returns the exit status.
@@ -76,6 +88,8 @@ pub fn main() -> u8 {
         Command::Info(args) => info::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::List(args) => list::run(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     };
     match done.and_then(|()| finish()) {
         Ok(()) => 0,
@@ -103,7 +117,7 @@ fn usage_error(error: &clap::Error) -> u8 {
     let first = text.split("\n\n").next().unwrap_or(&text).trim_end();
     // A list of missing arguments or of valid values belongs to the first line.
     say!("{}", first.lines().map(str::trim).collect::<Vec<_>>().join(" "));
-    let command = Cli::command();
+    let command = whole_command();
     let asked = std::env::args_os().nth(1).unwrap_or_default().to_string_lossy().into_owned();
     match command.find_subcommand(&asked) {
         Some(subcommand) if error.kind() == ErrorKind::UnknownArgument => {

@@ -1,5 +1,6 @@
 //! `lumbre render`.
 
+mod denoise;
 mod fireflies;
 mod job;
 mod keep;
@@ -8,6 +9,7 @@ mod progress;
 mod pyramid;
 mod record;
 mod report;
+mod tev;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -16,6 +18,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use lumbre::denoise::Denoiser;
 use lumbre::error::{Error, Result};
 use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
@@ -32,7 +35,9 @@ use super::settings::SettingsArgs;
 use fireflies::Fireflies;
 use job::Job;
 use keep::CheckpointWriter;
+pub(super) use layers::names as layer_names;
 use progress::{BuildProgress, Progress};
+use tev::Viewer;
 
 /// Samples per pixel where neither the command line nor the scene says.
 const DEFAULT_SPP: u32 = 64;
@@ -91,9 +96,18 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     record: Option<PathBuf>,
 
+    /// Denoise the image by Open Image Denoise, where its library is installed, with its albedo and normals; the layer `noisy` of an EXR is
+    /// the image as it was. For techniques whose noise is independent from pixel to pixel
+    #[arg(long, conflicts_with_all = ["lengths", "strategies"])]
+    denoise: bool,
+
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+
+    /// Show the picture in progress in the viewer tev that listens there; localhost:14158 by its default
+    #[arg(long, value_name = "HOST:PORT", value_parser = tev::parse)]
+    tev: Option<String>,
 
     /// Keep the rendering in this file, so that --resume can go on if it ends before its time; the one before it is FILE.previous
     #[arg(long, value_name = "FILE")]
@@ -171,10 +185,14 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if layers.is_empty() && has_exr(&job.outputs) {
         layers = layers::of_scene(&scene)?;
     }
+    let denoiser = args.denoise.then(Denoiser::open).transpose()?;
+    if denoiser.is_some() {
+        layers = layers::with_noisy(layers)?;
+    }
     let through_specular = args.aov_through_specular;
-    settings.aovs = layers::have_aovs(&layers).then_some(AovSettings { through_specular });
+    settings.aovs = (denoiser.is_some() || layers::have_aovs(&layers)).then_some(AovSettings { through_specular });
     if through_specular && settings.aovs.is_none() {
-        let message = "--aov-through-specular is about AOVs, and none is asked for: valid is with --aov";
+        let message = "--aov-through-specular is about AOVs, and none is asked for: valid is with --aov or --denoise";
         return Err(Error::Usage(String::from(message)));
     }
     if let Some(missed) = settings.technique.misses(&scene).filter(|_| !args.quiet) {
@@ -214,8 +232,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     let mut progress = Progress::new(args.quiet, &job);
     let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
+    let mut viewer = Viewer::new(args.tev.as_deref(), &scene, &settings, args.quiet);
     let target = args.error.map(ErrorTarget::new);
-    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress, &mut fireflies);
+    let watchers = (&mut progress, &mut viewer, &mut fireflies);
+    let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, watchers);
     progress.finish();
     let (seconds, next_look) = done.map_err(|error| keeper.explain(error))?;
     // Should it fail, the image is still to be written.
@@ -224,17 +244,27 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let trace = |x, y, sample| trace_command(args, renderer.settings(), x, y, sample);
     let found = fireflies.found(&renderer, trace)?;
-    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
+    let mut result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
     // Should they fail, the image is still to be written.
-    let (aovs, lost) = match renderer.aovs() {
+    let (aovs, mut lost) = match renderer.aovs() {
         Ok(aovs) => (aovs, None),
         Err(error) => (None, Some(error)),
     };
+    let mut denoised = None;
+    if let (Some(denoiser), Some(aovs)) = (&denoiser, &aovs) {
+        match denoise::denoise(denoiser, &film.mean(), aovs) {
+            Ok(image) => (denoised, result.denoiser) = (Some(image), Some(denoiser.name())),
+            Err(error) => lost = Some(error),
+        }
+    }
     let mut picture = report::picture(&film, &result, layers::images(&layers, &film, aovs.as_ref()));
+    picture.image = denoised.unwrap_or(picture.image);
     if let Some(aovs) = &aovs {
         picture.header.extend(layers::header(&layers, &scene, aovs));
     }
-    write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
+    let written = write::write_outputs(&job.outputs, &film, &picture, &keeper);
+    viewer.finish(&picture.image);
+    written?;
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
@@ -255,8 +285,7 @@ fn iterate(
     mut target: Option<ErrorTarget>,
     interrupted: &AtomicBool,
     keeper: &mut CheckpointWriter,
-    progress: &mut Progress,
-    fireflies: &mut Fireflies,
+    (progress, viewer, fireflies): (&mut Progress, &mut Viewer, &mut Fireflies),
 ) -> Result<(f64, Option<u32>)> {
     let rendering = Instant::now();
     let (before, next_look) = keeper.restore(renderer)?;
@@ -272,6 +301,7 @@ fn iterate(
         seconds = before + rendering.elapsed().as_secs_f64();
         progress.update(renderer, seconds);
         fireflies.update(renderer)?;
+        viewer.offer(renderer)?;
         if renderer.spp() >= job.spp || interrupted.load(Ordering::Relaxed) {
             break;
         }
@@ -340,6 +370,9 @@ fn settle(
             "--error with {}: its samples are correlated, so their variance does not tell the error; valid are -n and -t",
             technique.row.name
         )));
+    }
+    if args.denoise {
+        denoise::check(technique.row)?;
     }
     settings.specialise = !args.no_specialise;
     settings.driver_specialises = args.driver_specialises;

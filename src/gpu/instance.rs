@@ -43,7 +43,7 @@ impl Instance {
         // SAFETY: loading the library runs its initialisers; the Vulkan loader's have no precondition.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| {
             Error::Device(format!(
-                "no Vulkan loader (libvulkan.so.1) on this machine: {error}. `make demo` installs one"
+                "no Vulkan loader (libvulkan.so.1) on this machine: {error}. Install it (Debian and Ubuntu: libvulkan1)"
             ))
         })?;
         // SAFETY: `entry` is loaded; the call has no other precondition.

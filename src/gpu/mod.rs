@@ -1,4 +1,4 @@
-//! Vulkan: the only home of ash and of `unsafe`.
+//! Vulkan: the only home of ash and, but for the library of `denoise`, of `unsafe`.
 //!
 //! [`Instance`] finds the devices, [`Gpu`] is one of them made ready, and everything that lives on it ([`Buffer`],
 //! [`Pipeline`], [`accel`]) holds it alive and frees itself. Handles never leave this module.

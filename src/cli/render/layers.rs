@@ -19,6 +19,11 @@ pub(super) struct Layer {
     aov: Option<&'static AovRow>,
 }
 
+/// The layers that can be asked for.
+pub(in crate::cli) fn names() -> Vec<&'static str> {
+    OF_FILM.into_iter().chain(AOVS.iter().map(|row| row.name)).chain([ALL]).collect()
+}
+
 /// The layers that the command line asks for.
 pub(super) fn parse(names: &[String]) -> Result<Vec<Layer>> {
     let mut layers: Vec<Layer> = Vec::new();
@@ -29,11 +34,19 @@ pub(super) fn parse(names: &[String]) -> Result<Vec<Layer>> {
                 layers.push(Layer { name: name.to_owned(), aov })
             }
             _ => {
-                let valid = OF_FILM.into_iter().chain(AOVS.iter().map(|row| row.name)).chain([ALL]);
-                return Err(Error::Usage(format!("no layer '{name}': valid are {}", one_of(valid))));
+                return Err(Error::Usage(format!("no layer '{name}': valid are {}", one_of(self::names()))));
             }
         }
     }
+    distinct(layers)
+}
+
+/// The layer of a denoised image that holds it as it was.
+const NOISY: &str = "noisy";
+
+/// The layers of a denoised image.
+pub(super) fn with_noisy(mut layers: Vec<Layer>) -> Result<Vec<Layer>> {
+    layers.push(Layer { name: String::from(NOISY), aov: None });
     distinct(layers)
 }
 
@@ -66,6 +79,7 @@ pub(super) fn images(layers: &[Layer], film: &Film, aovs: Option<&AovFilm>) -> V
             (Some(row), Some(aovs)) => NamedLayer { name, channels: row.channels, image: image(aovs.values(row)) },
             (Some(_), None) => return None,
             (None, _) if layer.name == OF_FILM[0] => NamedLayer::colours(name, film.mean_variance()),
+            (None, _) if layer.name == NOISY => NamedLayer::colours(name, film.mean()),
             (None, _) => NamedLayer::colours(name, image(film.counts.iter().map(|count| [*count as f32; 3]).collect())),
         })
     };

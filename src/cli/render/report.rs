@@ -48,6 +48,9 @@ pub(super) struct Report {
     estimate_doubt: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     brightness: Option<Brightness>,
+    /// What has denoised the image; the other figures are of the noisy one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub denoiser: Option<String>,
     /// What the technique has to say, by its key.
     #[serde(flatten)]
     technique: BTreeMap<&'static str, serde_json::Value>,
@@ -129,6 +132,7 @@ impl Report {
             brightness: film
                 .brightness
                 .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
+            denoiser: None,
             technique: report.iter().map(|report| (report.key, report.figures.clone())).collect(),
             technique_summary: report.map_or(Vec::new(), |report| report.summary),
             fireflies: Vec::new(),
@@ -209,6 +213,9 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
     };
     print(&format!("mean       {r:.6} {g:.6} {b:.6}, {error}"));
     report.technique_summary.iter().for_each(|line| print(line));
+    if let Some(denoiser) = &report.denoiser {
+        print(&format!("denoised   by {denoiser}; the mean and its error are those of the noisy image"));
+    }
     if report.nonfinite > 0 {
         let first = report
             .nonfinite_at
