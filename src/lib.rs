@@ -46,6 +46,8 @@ pub mod gpu;
 pub mod image;
 pub mod layout;
 pub mod lecture;
+#[cfg(feature = "hot-reload")]
+pub mod modules;
 pub mod rays;
 pub mod reference;
 pub mod render;
@@ -58,3 +60,5 @@ pub mod trace;
 pub mod verify;
 
 pub use error::{Error, Result};
+#[cfg(feature = "hot-reload")]
+use techniques::table; // by the name that the build script has for it

@@ -25,6 +25,8 @@ pub use device::{Gpu, Limits};
 pub use instance::Instance;
 pub use journal::{BufferRecord, CommandRecord, SubmissionRecord};
 pub use mesa::{compile_quickly, with_the_users_environment};
+#[cfg(feature = "hot-reload")]
+pub use pipeline::replace_modules;
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use queue::Work;
 pub use survey::{DeviceKind, Survey};

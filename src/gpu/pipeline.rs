@@ -1,7 +1,9 @@
 //! Compute pipelines: a module, made for the values of its constants, and the one descriptor set that it reads.
 
+use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Read;
+use std::sync::{PoisonError, RwLock};
 
 use ash::vk;
 
@@ -17,9 +19,21 @@ mod generated {
     include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 }
 
+/// Modules that stand for those of the same names that were compiled into the program.
+static REPLACED: RwLock<BTreeMap<String, Vec<u32>>> = RwLock::new(BTreeMap::new());
+
+/// Has these modules stand for those of the same names in pipelines that are made from now on.
+#[cfg(feature = "hot-reload")]
+pub fn replace_modules(modules: Vec<(String, Vec<u32>)>) {
+    REPLACED.write().unwrap_or_else(PoisonError::into_inner).extend(modules);
+}
+
 /// The SPIR-V that `build.rs` made of a technique's pass for a backend (`path.pixels.bvh`), or of a test kernel
 /// (`test/trace.bvh`), with everything that there is to model.
 pub fn module(name: &str) -> Result<Vec<u32>> {
+    if let Some(words) = REPLACED.read().unwrap_or_else(PoisonError::into_inner).get(name) {
+        return Ok(words.clone());
+    }
     let Some((_, length, deflated)) = generated::MODULES.iter().find(|(module, ..)| *module == name) else {
         return Err(Error::Usage(format!("no shader '{name}' was compiled into this program")));
     };

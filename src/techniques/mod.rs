@@ -14,7 +14,7 @@ mod settings;
 mod splat_planes;
 mod state;
 mod stream;
-mod table;
+pub(crate) mod table;
 mod technique;
 
 pub use bidirectional::{LONGEST, Strategies, Strategy};
