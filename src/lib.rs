@@ -50,6 +50,8 @@ pub mod lecture;
 pub mod modules;
 pub mod rays;
 pub mod reference;
+#[cfg(feature = "hot-reload")]
+pub mod reload;
 pub mod render;
 pub mod report;
 pub mod scene;

@@ -4,7 +4,5 @@
 //! `lumbre view` then takes shaders from their files whenever these change.
 
 pub mod compile;
-#[cfg(feature = "hot-reload")]
-pub mod reload;
 pub mod source;
 pub mod variants;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use super::compile::Compiler;
-use super::source::Sources;
-use super::variants::variants;
 use crate::error::{Error, Result};
 use crate::gpu::replace_modules;
+use crate::modules::compile::Compiler;
+use crate::modules::source::Sources;
+use crate::modules::variants::variants;
 use crate::spirv;
 
 /// Watches a folder of shaders.
