@@ -45,6 +45,7 @@ pub mod gpu;
 pub mod image;
 pub mod layout;
 pub mod lecture;
+pub mod merge;
 pub mod rays;
 pub mod reference;
 pub mod render;

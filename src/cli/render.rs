@@ -1,11 +1,12 @@
 //! `lumbre render`.
 
+pub(super) mod about;
 mod job;
 mod keep;
 mod layers;
 mod progress;
 mod pyramid;
-mod report;
+pub(super) mod report;
 mod write;
 
 use std::path::{Path, PathBuf};
@@ -21,11 +22,12 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{AovSettings, Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{AovSettings, Correlated, LONGEST, SAMPLERS, Sampler, Shard, Strategies};
 
 use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
+use about::About;
 use job::Job;
 use keep::CheckpointWriter;
 use progress::{BuildProgress, Progress};
@@ -114,6 +116,11 @@ pub(super) struct RenderArgs {
     #[arg(long)]
     aov_through_specular: bool,
 
+    /// Render a share of the samples, to be put together by `lumbre merge`: shard K of N (1/8 to 8/8), of the -n samples per pixel of all of them,
+    /// in blocks of 64. Writes images only where -o asks for them
+    #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["time", "error"])]
+    shard: Option<(u32, u32)>,
+
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -153,6 +160,13 @@ pub(super) struct RenderArgs {
 
 fn parse_sampler(text: &str) -> Result<Sampler, String> {
     Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
+}
+
+fn parse_shard(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text.split_once('/').and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+    numbers
+        .filter(|(number, of)| (1..=*of).contains(number))
+        .ok_or_else(|| String::from("it must be K/N with K from 1 to N"))
 }
 
 /// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.
@@ -227,6 +241,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         say!("warning: {} takes for diffuse, with the albedo that they have: {taken}", settings.technique.row.name);
     }
 
+    if settings.shard.is_some() && settings.technique.row.correlated == Correlated::Samples && !args.quiet {
+        say!("note: {}: {}", settings.technique.row.name, lumbre::merge::CHAINS_ARE_OWN);
+    }
     let checkpoint = args.checkpoint.as_deref();
     let parts = (&scene, &mut settings, &gpu);
     let mut keeper = CheckpointWriter::new(checkpoint, args.checkpoint_interval, args.resume, args.quiet, parts)?;
@@ -236,6 +253,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
     building.finish();
     let mut renderer = built?;
+    let about = About::new(&scene, &gpu, &renderer);
+    keeper.about(&about);
     let mut progress = Progress::new(args.quiet, &job);
     let target = args.error.map(ErrorTarget::new);
     let done = iterate(&mut renderer, &job, target, &interrupted, &mut keeper, &mut progress);
@@ -245,7 +264,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let kept = keeper.save(&mut renderer, seconds, next_look);
 
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
-    let result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?;
+    let told = (about.settings, report::Figures { rays: renderer.rays(), frames: frames(&renderer), rare: about.rare });
+    let result = report::Report::new(told, &gpu, &renderer, &film, load, started)?;
     // Should they fail, the image is still to be written.
     let (aovs, lost) = match renderer.aovs() {
         Ok(aovs) => (aovs, None),
@@ -255,17 +275,27 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(aovs) = &aovs {
         picture.header.extend(layers::header(&layers, &scene, aovs));
     }
+    if let Some(shard) = settings.shard {
+        picture.header.extend(lumbre::merge::images::header(shard, keeper.identity()));
+    }
     write::write_outputs(&job.outputs, &film, &picture, &keeper)?;
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
     let is_taken = |path: &Path| path == Path::new("-") || is_standard_output(path);
     if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| is_taken(path)) {
-        report::print_summary(&result, &job.outputs, interrupted.load(Ordering::Relaxed));
+        let written: Vec<&Path> = job.outputs.iter().map(PathBuf::as_path).chain(checkpoint).collect();
+        report::print_summary(&result, &written, interrupted.load(Ordering::Relaxed));
     }
     kept.map_err(|error| keeper.explain(error))?;
     lost.map_or(Ok(()), |error| Err(keeper.explain(error)))?;
     DeviceArgs::report_validation(&gpu)
+}
+
+/// Seconds of all frames by the host's clock, and by the device's.
+fn frames(renderer: &Renderer) -> [f64; 2] {
+    let seconds = renderer.seconds();
+    [seconds.render, seconds.device]
 }
 
 /// Renders until the job is done or the user ends it. Returns the seconds that were spent, those before a checkpoint included, and
@@ -309,7 +339,13 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     let stdout = Path::new("/dev/stdout");
     let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
     let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
-    if outputs.is_empty() {
+    if outputs.is_empty() && args.shard.is_some() {
+        if args.checkpoint.is_none() {
+            return Err(Error::Usage(String::from(
+                "--shard writes what lumbre merge puts together: give --checkpoint FILE, or -o FILE.exr, whose merging rounds",
+            )));
+        }
+    } else if outputs.is_empty() {
         let stem = args.scene.scene.file_stem().filter(|stem| *stem != STANDARD_INPUT);
         let stem = PathBuf::from(stem.unwrap_or_else(|| "image".as_ref()));
         outputs = vec![stem.with_extension("exr"), stem.with_extension("png")];
@@ -389,5 +425,7 @@ fn settle(
         (None, None) => asked_spp(args, scene, camera),
     };
     settings.expected_samples = expected_samples(args, scene, camera);
+    settings.shard = args.shard.map(|(number, of)| Shard::new(number, of, spp)).transpose()?;
+    let spp = settings.shard.map_or(spp, Shard::count);
     Ok((settings, Job { outputs, spp, time: args.time }))
 }
