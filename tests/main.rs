@@ -55,6 +55,7 @@ mod report;
 mod robustness;
 mod sampling;
 mod scenes;
+mod shards;
 mod soak;
 mod spirv;
 mod strategies;

@@ -357,7 +357,9 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
         return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
     }
-    if !has_exr(&outputs) && (args.lengths.is_some() || !args.aov.is_empty()) {
+    // The checkpoint of a shard keeps its layers.
+    let is_lost = args.lengths.is_some() && args.shard.is_none();
+    if !has_exr(&outputs) && (is_lost || !args.aov.is_empty()) {
         return Err(Error::Usage(String::from(
             "--lengths and --aov write layers of an EXR file: give an output that ends in .exr",
         )));

@@ -47,7 +47,7 @@ pub(super) fn put_in_order(parts: &mut [Part]) -> Result<bool> {
             ));
         }
     }
-    if let Some([one, other]) = parts.array_windows().find(|[one, other]| one.shard == other.shard) {
+    if let Some((one, other)) = parts.iter().zip(&parts[1..]).find(|(one, other)| one.shard == other.shard) {
         let [one_path, other_path] = [one, other].map(|part| part.path.display());
         return refused(format!("{one_path} and {other_path} are both shard {}: it counts once", one.shard));
     }
