@@ -27,7 +27,8 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 /// What the film and its companions take, and what techniques keep of paths from the lights.
-const FILM: [&str; 7] = ["film", "film by path length", "tally", "splats", "light paths", "grid cells", "grid places"];
+const FILM: [&str; 8] =
+    ["film", "film by path length", "film by blocks", "tally", "splats", "light paths", "grid cells", "grid places"];
 
 /// Settings that make every kind of buffer there is.
 fn with_layers(scene: &Scene, backend: Backend) -> Settings {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::common::has_time;
 use crate::common::program::{fails, figures, lumbre, render, start, wait_for, works};
+use lumbre::bench::results::Results;
 use lumbre::image::{Picture, read_picture};
 
 /// Samples of one run: the last block is not whole.
@@ -211,4 +212,49 @@ fn chains_merge_statistically() {
     assert!((ratio - 1.0).abs() < 0.05 && one.image != merged.image, "{ratio}");
     let said = fails(merge(folder, "s1 s2 s3 s4 -o merged"), 2);
     assert!(said.contains("there is none to go on with"), "{said}");
+}
+
+/// Benches of other seeds are one bench of all of them, by its figures; what is of another bench, or there twice, is refused.
+#[test]
+fn benches_merge_by_their_seeds() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |args: &str| {
+        let mut command = lumbre();
+        command.args(args.split_whitespace()).current_dir(folder);
+        if let Ok(device) = std::env::var("LUMBRE_TEST_DEVICE") {
+            command.args(["--device", &device]);
+        }
+        works(command);
+    };
+    let scene = crate::common::scene_path("cornell.xml").display().to_string();
+    run(&format!("reference {scene} --size 16x16 -t 1 -o truth.exr"));
+    let bench = |args: &str| run(&format!("bench {scene} --size 16x16 -i path,direct --reference truth.exr -q {args}"));
+    bench("-n 8 --seeds 4 -o whole");
+    bench("-n 8 --seeds 2 -o a");
+    bench("-n 8 --seeds 2 --first-seed 2 -o b");
+    bench("-n 4 --seeds 2 --first-seed 2 -o other");
+    works(merge(folder, "b a -q -o both"));
+    let [whole, both] = ["whole", "both"].map(|name| Results::read(&folder.join(name).join("results.json")).unwrap());
+    assert_eq!((both.seeds, both.scenes[0].variants.len()), (4, 2));
+    for (own, other) in whole.scenes[0].variants.iter().zip(&both.scenes[0].variants) {
+        assert_eq!(other.runs.iter().map(|run| run.seed).collect::<Vec<_>>(), [0, 1, 2, 3]);
+        let ends = [own, other].map(|variant| variant.curve.last().unwrap());
+        let [mine, its] = ends.map(|end| (end.spp, end.relmse.mean, end.relmse.low, end.flip.mean));
+        assert_eq!(mine, its, "{}", own.name);
+        assert_eq!(own.floor.relmse, other.floor.relmse, "{}", own.name);
+    }
+    assert!(folder.join("both/index.html").exists());
+    let cases = [
+        ("a a2", "a and a2 both have seed 0 of path on"),
+        ("a other", "other is not of the same bench as a: samples of a run (Some(4) there, Some(8) here)"),
+        ("a truth.exr", "a is a bench's folder, and truth.exr an image"),
+    ];
+    run(&format!("bench {scene} --size 16x16 -i path,direct --reference truth.exr -q -n 8 --seeds 2 -o a2"));
+    for (inputs, expected) in cases {
+        let said = fails(merge(folder, &format!("{inputs} -o refused")), 2);
+        assert!(said.contains(expected), "{inputs}: {said}");
+    }
+    let said = fails(merge(folder, "a b -o both"), 2);
+    assert!(said.contains("both holds a bench already"), "{said}");
 }

@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use lumbre::bench;
 use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
 use lumbre::image::{Format, format_of, write_picture};
 use lumbre::merge::{Kind, images, kind, merge};
 
+use super::bench::table::print_results;
+use super::bench::write_results;
 use super::output::{print, say};
 use super::render::about::About;
 use super::render::report::{Figures, Report, picture, print_summary};
@@ -38,7 +41,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
     match kind {
         Kind::Checkpoints => checkpoints(args),
         Kind::Images => exr_images(args),
-        Kind::Benches => Err(Error::Usage(String::from("benches"))),
+        Kind::Benches => benches(args),
     }
 }
 
@@ -74,6 +77,19 @@ fn checkpoints(args: &MergeArgs) -> Result<()> {
     if !args.quiet {
         print(&format!("merged     {} shards", args.inputs.len()));
         print_summary(&report, &args.output.iter().map(PathBuf::as_path).collect::<Vec<_>>(), false);
+    }
+    Ok(())
+}
+
+fn benches(args: &MergeArgs) -> Result<()> {
+    let [output] = args.output.as_slice() else {
+        return Err(Error::Usage(String::from("folders are merged into one: give one output")));
+    };
+    let results = bench::merge::merge(&args.inputs, output)?;
+    write_results(output, &results)?;
+    if !args.quiet {
+        print_results(&results);
+        print(&format!("wrote {}", output.join("index.html").display()));
     }
     Ok(())
 }

@@ -70,3 +70,23 @@ pub(super) fn put_in_order(parts: &mut [Part]) -> Result<bool> {
     }
     Ok(devices_differ)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(number: u32, device: &str, version: &str) -> Part {
+        let entries = [("lumbre", version), ("device", device), ("shard", &format!("{number}/2 of 128 samples"))];
+        let identity = serde_json::from_value(serde_json::json!(entries)).unwrap();
+        let shard = Shard::new(number, 2, 128).unwrap();
+        Part { path: PathBuf::from(format!("s{number}")), identity, shard, spp: 64 }
+    }
+
+    #[test]
+    fn devices_may_differ_and_versions_may_not() {
+        assert!(!put_in_order(&mut [part(2, "a", "1"), part(1, "a", "1")]).unwrap());
+        assert!(put_in_order(&mut [part(2, "a", "1"), part(1, "b", "1")]).unwrap());
+        let said = put_in_order(&mut [part(2, "a", "1"), part(1, "a", "2")]).unwrap_err().to_string();
+        assert!(said.contains("what differs is lumbre (1 there, 2 here)"), "{said}");
+    }
+}
