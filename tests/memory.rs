@@ -249,8 +249,11 @@ fn what_does_not_fit_is_refused_before_it_is_built() {
             let plain = settings(&scene, "path", backend);
             let absurd = Settings { width: 65536, height: 65536, lengths: 64, ..plain.clone() };
             let message = refused(gpu, &scene, &absurd);
-            assert!(message.contains("needs 6384.00 GiB on"), "{message}");
-            assert!(message.contains("film by path length 6144.00 GiB, film 240.00 GiB and"), "{message}");
+            assert!(message.contains("needs 19248.00 GiB on"), "{message}");
+            assert!(
+                message.contains("film by blocks 12864.00 GiB, film by path length 6144.00 GiB and film 240.00 GiB"),
+                "{message}"
+            );
             // The size that is offered fits, and twice that does not.
             let size = message.split("--size ").nth(1).unwrap().split(' ').next().unwrap();
             let (width, height) = size.split_once('x').unwrap();

@@ -15,19 +15,19 @@ use crate::techniques::Settings;
 const MODULE: &str = "film/blocks";
 /// What the buffer is called.
 pub(super) const NAME: &str = "film by blocks";
-/// Bytes of a whole number.
-const NUMBER_BYTES: u64 = 16;
-/// Whole numbers of a pixel besides those of its layers: three channels of samples, of squares, and of differences of the halves.
-pub(super) const NUMBERS: usize = 9;
+/// Bytes of the whole numbers of a pixel in a plane: three channels.
+const PIXEL_BYTES: u64 = 3 * 16;
+/// Planes besides those of layers: of samples, of squares, and of differences of the halves.
+pub(super) const PLANES: usize = 3;
 
-/// Whole numbers of a pixel with so many layers.
-pub(super) fn numbers_of_pixel(layers: u32) -> usize {
-    NUMBERS + 3 * layers as usize
+/// How many planes there are. Each is an allocation of its own: all in one would be larger than some devices allow, where the film is not.
+pub(super) fn planes(layers: u32) -> usize {
+    PLANES + layers as usize
 }
 
-/// Bytes of all whole numbers of an image.
-pub(super) fn bytes(pixels: u64, layers: u32) -> u64 {
-    NUMBER_BYTES * pixels * numbers_of_pixel(layers) as u64
+/// Bytes of a plane of an image.
+pub(super) fn plane_bytes(pixels: u64) -> u64 {
+    PIXEL_BYTES * pixels
 }
 
 /// Exponents of the units of sums and of squares, each a power of 2, by the unit of splats.
@@ -56,7 +56,7 @@ fn whole(number: Number) -> i128 {
 
 /// The whole numbers of an image on the device.
 pub(super) struct Blocks {
-    pub buffer: Buffer,
+    pub planes: Vec<Buffer>,
     /// Whether some block is in them; otherwise they are 0.
     pub any: bool,
     /// Made for the first block: most images of tests and previews have less than one.
@@ -65,8 +65,9 @@ pub(super) struct Blocks {
 
 impl Blocks {
     pub fn new(gpu: &Gpu, settings: &Settings) -> Result<Self> {
-        let bytes = bytes(settings.pixels(), settings.layers());
-        Ok(Self { buffer: Buffer::zeroed(gpu, NAME, bytes)?, any: false, kernel: None })
+        let plane = |_| Buffer::zeroed(gpu, NAME, plane_bytes(settings.pixels()));
+        let planes = (0..planes(settings.layers())).map(plane).collect::<Result<_>>()?;
+        Ok(Self { planes, any: false, kernel: None })
     }
 
     /// The kernel, made beside another one of the rendering where it is not there yet.
@@ -81,9 +82,18 @@ impl Blocks {
         self.kernel.as_ref()
     }
 
+    /// All whole numbers, plane by plane; none where there is no block.
+    pub fn read(&self, pixels: usize) -> Result<Vec<Number>> {
+        let mut all = Vec::new();
+        for plane in self.planes.iter().filter(|_| self.any) {
+            all.append(&mut plane.read(3 * pixels)?);
+        }
+        Ok(all)
+    }
+
     pub fn clear(&mut self) -> Result<()> {
         if self.any {
-            self.buffer.clear()?;
+            self.planes.iter().try_for_each(Buffer::clear)?;
         }
         self.any = false;
         Ok(())

@@ -250,7 +250,9 @@ impl Table {
         self.add("film", pixels * size_of::<FilmPixel>() as u64, true);
         // A buffer of nothing takes four bytes.
         self.add("film by path length", (pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES).max(4), true);
-        self.add(blocks::NAME, blocks::bytes(pixels, settings.layers()), true);
+        for _ in 0..blocks::planes(settings.layers()) {
+            self.add(blocks::NAME, blocks::plane_bytes(pixels), true);
+        }
         self.add("tally", TALLY_BYTES, true);
     }
 

@@ -42,7 +42,8 @@ use crate::render::sums::FilmSums;
 use crate::scene::Scene;
 use crate::techniques::Shard;
 use crate::techniques::{
-    Context, FilmScale, MergeSchedule, Over, Pass, StateReport, StateStream, TechniqueState, Trial, nothing, stages,
+    Context, FilmScale, MergeSchedule, Over, Pass, StateReport, StateStream, Store, TechniqueState, Trial, nothing,
+    stages,
 };
 pub use crate::techniques::{Settings, Technique};
 pub use device_scene::DeviceScene;
@@ -255,7 +256,8 @@ impl Renderer {
     fn exchange(&mut self, stream: &mut StateStream) -> Result<()> {
         self.plan.exchange(stream)?;
         let (any, counted) = (&mut self.blocks.any, &mut self.counted);
-        sums::exchange(stream, [&self.film, &self.layers, &self.blocks.buffer], any, counted)?;
+        let planes: Vec<&dyn Store> = self.blocks.planes.iter().map(|plane| plane as &dyn Store).collect();
+        sums::exchange(stream, [&self.film, &self.layers], &planes, any, counted)?;
         self.state.exchange(stream, !self.plan.is_between_passes())
     }
 
@@ -342,11 +344,10 @@ impl Renderer {
     /// The film as it stands.
     pub fn film(&self) -> Result<Film> {
         let pixels = self.settings.pixels() as usize;
-        let numbers = if self.blocks.any { pixels * blocks::numbers_of_pixel(self.settings.layers()) } else { 0 };
         let sums = FilmSums {
             pixels: self.film.read(pixels)?,
             layers: self.layers.read(2 * pixels * self.settings.layers() as usize)?,
-            blocks: self.blocks.buffer.read(numbers)?,
+            blocks: self.blocks.read(pixels)?,
         };
         let mut film = sums.film(&self.shape(), self.plan.counts());
         if let Some(scale) = self.state.film_scale()? {
@@ -451,11 +452,15 @@ impl Renderer {
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.most_slots());
         let of_run = |run: &Run| (&passes[run.pass].1, run.first, run.count, constants);
-        let of_blocks = FrameConstants { technique: address(self.blocks.buffer.address()), ..constants };
-        let block = block.zip(self.blocks.kernel()).map(|(slots, kernel)| (kernel, 0, slots, of_blocks));
+        let of_plane =
+            |(word, plane): (u32, &Buffer)| FrameConstants { technique: address(plane.address()), word, ..constants };
+        let planes = (0..).zip(&self.blocks.planes).map(of_plane);
+        let block = block.zip(self.blocks.kernel());
+        let of_block =
+            block.into_iter().flat_map(|(slots, kernel)| planes.clone().map(move |own| (kernel, 0, slots, own)));
         let took = self.gpu.run(&name, work, |commands| {
             commands.clear(tally);
-            for (kernel, first, count, constants) in runs.iter().map(of_run).chain(block) {
+            for (kernel, first, count, constants) in runs.iter().map(of_run).chain(of_block) {
                 let mut start = first;
                 loop {
                     let part = (first + count - start).min(room);

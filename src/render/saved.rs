@@ -6,8 +6,8 @@ use std::path::Path;
 use super::counted::Counted;
 use super::film::Film;
 use super::sums::{self, FilmShape, FilmSums};
-use crate::error::Result;
-use crate::techniques::{HostStore, StateStream};
+use crate::error::{Error, Result};
+use crate::techniques::{HostStore, StateStream, Store};
 
 /// What [`super::Renderer::save`] writes before the technique's own state.
 #[derive(Clone, Debug)]
@@ -23,17 +23,20 @@ pub struct SavedFilm {
 impl SavedFilm {
     /// Reads it from a stream, which messages call `file`.
     pub fn read(file: &Path, shape: &FilmShape, from: &mut dyn Read) -> Result<Self> {
-        let stores = shape.bytes().map(|bytes| HostStore::new("film", bytes));
+        if !shape.is_possible() {
+            return Err(Error::read(file, "its header states a film of a size that cannot be"));
+        }
+        let stores: Vec<HostStore> = shape.bytes().into_iter().map(HostStore::new).collect();
         let (mut position, mut counted, mut any) = ([0; 4], Counted::default(), false);
         let mut stream = StateStream::restoring(file, from);
         stream.numbers(&mut position)?;
-        let [film, layers, blocks] = &stores;
-        sums::exchange(&mut stream, [film, layers, blocks], &mut any, &mut counted)?;
-        let has_layers = shape.layers > 0;
+        let (film, layers, planes) = (&stores[0], &stores[1], &stores[2..]);
+        let all: Vec<&dyn Store> = planes.iter().map(|plane| plane as &dyn Store).collect();
+        sums::exchange(&mut stream, [film, layers], &all, &mut any, &mut counted)?;
         let sums = FilmSums {
             pixels: film.values(),
-            layers: if has_layers { layers.values() } else { Vec::new() },
-            blocks: if any { blocks.values() } else { Vec::new() },
+            layers: if shape.layers > 0 { layers.values() } else { Vec::new() },
+            blocks: planes.iter().filter(|_| any).flat_map(HostStore::values).collect(),
         };
         Ok(Self { shape: shape.clone(), position, sums, counted })
     }
@@ -42,16 +45,13 @@ impl SavedFilm {
     pub fn write(&mut self, file: &Path, to: &mut dyn Write) -> Result<()> {
         let mut stream = StateStream::saving(file, to);
         stream.numbers(&mut self.position)?;
-        let [_, layer_bytes, block_bytes] = self.shape.bytes();
-        let film = HostStore::of("film", &self.sums.pixels);
-        let layers = if self.sums.layers.is_empty() {
-            HostStore::new("film", layer_bytes)
-        } else {
-            HostStore::of("film", &self.sums.layers)
-        };
-        let mut any = !self.sums.blocks.is_empty();
-        let blocks = if any { HostStore::of("film", &self.sums.blocks) } else { HostStore::new("film", block_bytes) };
-        sums::exchange(&mut stream, [&film, &layers, &blocks], &mut any, &mut self.counted)
+        let FilmSums { pixels, layers, blocks } = &self.sums;
+        let film = HostStore::of(pixels);
+        // A buffer of nothing takes four bytes.
+        let layers = if layers.is_empty() { HostStore::new(4) } else { HostStore::of(layers) };
+        let planes: Vec<HostStore> = blocks.chunks(3 * pixels.len().max(1)).map(HostStore::of).collect();
+        let all: Vec<&dyn Store> = planes.iter().map(|plane| plane as &dyn Store).collect();
+        sums::exchange(&mut stream, [&film, &layers], &all, &mut !planes.is_empty(), &mut self.counted)
     }
 
     /// Whether all pixels have the same samples, up to this index.

@@ -2,13 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{self, NUMBERS, Number, numbers_of_pixel};
+use super::blocks::{self, Number, PLANES};
 use super::counted::Counted;
 use super::film::{Film, StrategyLayers};
 use super::memory::LAYER_PIXEL_BYTES;
 use crate::error::Result;
 use crate::layout::FilmPixel;
 use crate::techniques::{Correlated, Sampler, Settings, StateStream, Store, Strategies};
+
+/// No film has as many layers.
+const MOST_LAYERS: u32 = 256;
 
 /// What must be known of a film to read its sums.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,22 +49,30 @@ impl FilmShape {
         }
     }
 
+    /// Whether there can be such a film.
+    pub(super) fn is_possible(&self) -> bool {
+        let sides = [self.width, self.height];
+        sides.iter().all(|side| (1..=65536).contains(side)) && self.layers <= MOST_LAYERS
+    }
+
     fn pixels(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// Bytes of the film, of its layers and of its blocks on the device. A buffer of nothing takes four bytes.
-    pub(super) fn bytes(&self) -> [u64; 3] {
+    /// Bytes of the film and of its layers on the device, then of each plane over blocks. A buffer of nothing takes four bytes.
+    pub(super) fn bytes(&self) -> Vec<u64> {
         let layers = self.pixels() * u64::from(self.layers) * LAYER_PIXEL_BYTES;
         let film = self.pixels() * size_of::<FilmPixel>() as u64;
-        [film, layers.max(4), blocks::bytes(self.pixels(), self.layers)]
+        let planes = blocks::planes(self.layers);
+        [film, layers.max(4)].into_iter().chain(vec![blocks::plane_bytes(self.pixels()); planes]).collect()
     }
 }
 
 /// Saves the film with what was counted to a stream, or restores it. Whole numbers take part where there are `any`.
 pub(super) fn exchange(
     stream: &mut StateStream,
-    [film, layers, blocks]: [&dyn Store; 3],
+    [film, layers]: [&dyn Store; 2],
+    blocks: &[&dyn Store],
     any: &mut bool,
     counted: &mut Counted,
 ) -> Result<()> {
@@ -71,10 +82,12 @@ pub(super) fn exchange(
     let mut has = u32::from(had);
     stream.numbers([&mut has])?;
     *any = has > 0;
-    match (*any, stream.restores() && had) {
-        (true, _) => stream.buffer(blocks)?,
-        (false, true) => blocks.clear()?,
-        (false, false) => {}
+    for plane in blocks {
+        match (*any, stream.restores() && had) {
+            (true, _) => stream.buffer(*plane)?,
+            (false, true) => plane.clear()?,
+            (false, false) => {}
+        }
     }
     counted.exchange(stream)
 }
@@ -86,7 +99,7 @@ pub(super) struct FilmSums {
     pub pixels: Vec<FilmPixel>,
     /// Of each layer over the same: the sum, then its low part.
     pub layers: Vec<[f32; 3]>,
-    /// Over whole blocks; empty where there is none.
+    /// Over whole blocks, plane by plane, three of each pixel; empty where there is none.
     pub blocks: Vec<Number>,
 }
 
@@ -94,12 +107,12 @@ impl FilmSums {
     /// The film, of pixels that have so many samples.
     pub fn film(&self, shape: &FilmShape, counts: Vec<u64>) -> Film {
         let layers = shape.layers as usize;
-        let numbers = numbers_of_pixel(shape.layers);
         // A block's sums, in whole numbers, and those that are under way, in floats.
-        let total = |pixel: usize, first: usize, unit: i32, high: [f32; 3], low: [f32; 3]| -> [f64; 3] {
+        let count = self.pixels.len();
+        let total = |pixel: usize, plane: usize, unit: i32, high: [f32; 3], low: [f32; 3]| -> [f64; 3] {
             std::array::from_fn(|channel| {
                 let open = f64::from(high[channel]) + f64::from(low[channel]);
-                let number = self.blocks.get(pixel * numbers + first + channel);
+                let number = self.blocks.get(3 * (plane * count + pixel) + channel);
                 number.map_or(open, |number| blocks::value(*number, unit) + open)
             })
         };
@@ -107,21 +120,20 @@ impl FilmSums {
         let pixels = || self.pixels.iter().enumerate();
         let layer = |layer: usize| {
             let sums = self.layers.chunks_exact(2 * layers).enumerate();
-            sums.map(|(pixel, own)| total(pixel, NUMBERS + 3 * layer, unit, own[2 * layer], own[2 * layer + 1]))
-                .collect()
+            sums.map(|(pixel, own)| total(pixel, PLANES + layer, unit, own[2 * layer], own[2 * layer + 1])).collect()
         };
         let mut film = Film {
             width: shape.width,
             height: shape.height,
             counts,
             sums: pixels().map(|(index, own)| total(index, 0, unit, own.sum, own.sum_low)).collect(),
-            squares: pixels().map(|(index, own)| total(index, 3, square, own.squares, own.squares_low)).collect(),
+            squares: pixels().map(|(index, own)| total(index, 1, square, own.squares, own.squares_low)).collect(),
             lengths: (0..layers).map(layer).collect(),
             ..Film::default()
         };
         if shape.has_halves {
             film.set_differences(
-                pixels().map(|(index, own)| total(index, 6, unit, own.difference, [0.0; 3])).collect(),
+                pixels().map(|(index, own)| total(index, 2, unit, own.difference, [0.0; 3])).collect(),
             );
         }
         if shape.pixels_are_correlated {

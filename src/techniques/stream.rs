@@ -52,21 +52,20 @@ impl Store for Buffer {
 
 /// Bytes on the host. What is read comes in order, so that memory is taken only for what is there.
 pub(crate) struct HostStore {
-    name: &'static str,
     size: u64,
     bytes: RefCell<Vec<u8>>,
 }
 
 impl HostStore {
     /// So many, each 0.
-    pub fn new(name: &'static str, size: u64) -> Self {
-        Self { name, size, bytes: RefCell::default() }
+    pub fn new(size: u64) -> Self {
+        Self { size, bytes: RefCell::default() }
     }
 
     /// The bytes of some values.
-    pub fn of<T: Pod>(name: &'static str, values: &[T]) -> Self {
+    pub fn of<T: Pod>(values: &[T]) -> Self {
         let bytes = bytemuck::cast_slice(values).to_vec();
-        Self { name, size: bytes.len() as u64, bytes: RefCell::new(bytes) }
+        Self { size: bytes.len() as u64, bytes: RefCell::new(bytes) }
     }
 
     /// The bytes as values.
@@ -77,7 +76,7 @@ impl HostStore {
 
 impl Store for HostStore {
     fn name(&self) -> &str {
-        self.name
+        "film"
     }
 
     fn size(&self) -> u64 {

@@ -47,16 +47,18 @@ uvec4 added(uvec4 a, uvec4 b) {
     return sum;
 }
 
-// Adds a sum and its low part to three whole numbers.
-void fold(BlockSums sums, uint first, vec3 sum, vec3 low, int unit) {
+// Adds a sum and its low part to a pixel's three whole numbers.
+void fold(uint pixel, vec3 sum, vec3 low, int unit) {
+    BlockSums sums = BlockSums(unpack32(pack64(frame.technique) + uint64_t(48u) * uint64_t(pixel)));
     for (uint i = 0u; i < 3u; i++) {
         uvec4 block = added(fixed_point(sum[i], unit), fixed_point(low[i], unit));
-        sums.at[first + i] = added(sums.at[first + i], block);
+        sums.at[i] = added(sums.at[i], block);
     }
 }
 
 layout(local_size_x = WORKGROUP) in;
 
+// The technique's own word says which sums: of samples, of squares, of differences, then of each layer.
 void main() {
     if (gl_GlobalInvocationID.x >= frame.slot_count) return;
     Pixel pixel = pixel_open(frame.first_slot + gl_GlobalInvocationID.x);
@@ -64,17 +66,21 @@ void main() {
     // The exponent of the splats' unit, and from it those of sums and of squares: src/render/blocks.rs has the same.
     int unit = int(floatBitsToUint(scene.splat_unit) >> 23u & 0xffu) - 127;
     int unit_of_sums = unit - int(BLOCK_SUM_BITS), unit_of_squares = 2 * unit + int(BLOCK_SQUARE_BITS);
-    uint numbers = 9u + 3u * LENGTH_LAYERS;
-    BlockSums sums = BlockSums(unpack32(pack64(frame.technique) + uint64_t(16u * numbers) * uint64_t(pixel.index)));
-    fold(sums, 0u, pixel.sums.sum, pixel.sums.sum_low, unit_of_sums);
-    fold(sums, 3u, pixel.sums.squares, pixel.sums.squares_low, unit_of_squares);
-    fold(sums, 6u, pixel.sums.difference, vec3(0.0), unit_of_sums);
-    FilmPixels(frame.film).at[pixel.index] = FilmPixel(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
-    if (LENGTH_LAYERS == 0u) return;
-    Layers layers = Layers(frame.layers);
-    for (uint i = 0u; i < LENGTH_LAYERS; i++) {
-        uint at = 2u * (pixel.index * LENGTH_LAYERS + i);
-        fold(sums, 9u + 3u * i, layers.at[at], layers.at[at + 1u], unit_of_sums);
+    FilmPixel sums = pixel.sums;
+    if (frame.word == 0u) {
+        fold(pixel.index, sums.sum, sums.sum_low, unit_of_sums);
+        sums.sum = sums.sum_low = vec3(0.0);
+    } else if (frame.word == 1u) {
+        fold(pixel.index, sums.squares, sums.squares_low, unit_of_squares);
+        sums.squares = sums.squares_low = vec3(0.0);
+    } else if (frame.word == 2u) {
+        fold(pixel.index, sums.difference, vec3(0.0), unit_of_sums);
+        sums.difference = vec3(0.0);
+    } else if (LENGTH_LAYERS > 0u) {
+        Layers layers = Layers(frame.layers);
+        uint at = 2u * (pixel.index * LENGTH_LAYERS + frame.word - 3u);
+        fold(pixel.index, layers.at[at], layers.at[at + 1u], unit_of_sums);
         layers.at[at] = layers.at[at + 1u] = vec3(0.0);
     }
+    FilmPixels(frame.film).at[pixel.index] = sums;
 }
