@@ -15,7 +15,7 @@ const IDENTITY: &str = "lumbre.identity";
 /// The attribute that holds which share of the samples it is, as JSON.
 const SHARE: &str = "lumbre.share";
 /// Attributes that are of one image: those of the merged one are made anew, or left out.
-const OWN: [&str; 17] = [
+const OWN: [&str; 16] = [
     "identity",
     "share",
     "shard",
@@ -31,8 +31,7 @@ const OWN: [&str; 17] = [
     "estimate_doubt",
     "brightness",
     "peak_device_bytes",
-    "radiosity",
-    "mlt",
+    "patches",
 ];
 
 /// What the header of a shard's image says beside its settings.
