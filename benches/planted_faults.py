@@ -43,6 +43,7 @@ class Fault(NamedTuple):
 ACCURACY = "docs/accuracy.md: "
 VERIFY = "docs/verify.md: "
 RUNS = "docs/long_runs.md: "
+CLUSTERS = "docs/clusters.md: "
 RADIOSITY = "tests/radiosity.rs: "
 NOTES = "closing notes: "
 
@@ -486,14 +487,18 @@ FAULTS = [
           ACCURACY + "scenes not moved near the origin"),
 
     # Checkpoints
-    Fault("checkpoint-film", "src/render/mod.rs",
-          "stream.buffer(&self.film)?;", "",
+    Fault("checkpoint-film", "src/render/sums.rs",
+          "stream.buffer(film)?;", "",
           "the film is not kept", ["checkpoint::every_technique"],
           RUNS + "the film is not kept"),
-    Fault("checkpoint-rays", "src/render/mod.rs",
+    Fault("checkpoint-rays", "src/render/counted.rs",
           "stream.long(&mut self.rays)?;", "stream.long(&mut self.rays.clone())?;",
           "the count of rays is written down and not taken up", ["checkpoint::every_technique"],
           RUNS + "the count of rays is not kept"),
+    Fault("shards-sums", "src/render/sums.rs",
+          "*own = blocks::sum(*own, *other)", "*own = *other",
+          "of merged shards the last one alone counts", ["shards::merged_shards_have_the_bits_of_one_run"],
+          CLUSTERS + "the sums of shards are not added"),
     Fault("checkpoint-chains", "src/techniques/metropolis/chains.rs",
           "[&self.bootstrap, &self.states, &self.values, &self.numbers]", "[&self.bootstrap, &self.states, &self.values]",
           "the random numbers of chains are not kept", ["checkpoint::every_technique"]),

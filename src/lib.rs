@@ -46,6 +46,7 @@ pub mod gpu;
 pub mod image;
 pub mod layout;
 pub mod lecture;
+pub mod merge;
 #[cfg(feature = "hot-reload")]
 pub mod modules;
 pub mod rays;

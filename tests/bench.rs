@@ -144,7 +144,13 @@ fn variant(name: &str, subject: Synthetic) -> Variant {
 fn bench<'a>(folder: &'a Path, truth: &'a Truth, seeds: u32, spp: u32) -> Bench<'a> {
     std::fs::create_dir_all(folder.join("runs")).unwrap();
     std::fs::create_dir_all(folder.join("images")).unwrap();
-    Bench { folder, scene: "s", limits: Limits { seeds, seconds: None, spp: Some(spp) }, fingerprint: 1, truth }
+    Bench {
+        folder,
+        scene: "s",
+        limits: Limits { seeds, seconds: None, spp: Some(spp), first_seed: 0 },
+        fingerprint: 1,
+        truth,
+    }
 }
 
 /// One bench of these subjects in a folder of its own.
@@ -303,7 +309,7 @@ fn rows_have_in_common_what_they_say() {
     let reference = exact();
     for (seconds, spp) in [(None, Some(64)), (Some(0.5), None)] {
         let folder = tempfile::tempdir().unwrap();
-        let limits = Limits { seeds: 2, seconds, spp };
+        let limits = Limits { seeds: 2, seconds, spp, first_seed: 0 };
         let bench = Bench { limits, ..bench(folder.path(), &reference, 2, 64) };
         let mut variants =
             vec![variant("a", Synthetic::new(0.5, 0.0, 0.01, 1)), variant("b", Synthetic::new(0.5, 0.0, 0.02, 2))];

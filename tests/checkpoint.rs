@@ -160,11 +160,9 @@ fn two_checkpoints(gpu: &Gpu, scene: &Scene, path: &Path) -> (Settings, Header) 
     let mut renderer = Renderer::new(gpu, scene, &settings).unwrap();
     let mut files = Checkpoints::open(path).unwrap();
     let header = |renderer: &Renderer| Header {
-        identity: Identity::of(scene, &settings, gpu),
-        expected_samples: settings.expected_samples,
-        spp: renderer.spp(),
         spent: 0.1 + 0.2,
         next_look: Some(73),
+        ..Header::of(renderer, Identity::of(scene, &settings, gpu), serde_json::Value::Null).unwrap()
     };
     for spp in [1, 2] {
         while renderer.advance(spp).unwrap() {}

@@ -58,6 +58,7 @@ mod report;
 mod robustness;
 mod sampling;
 mod scenes;
+mod shards;
 mod soak;
 mod spirv;
 mod strategies;

@@ -27,7 +27,8 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 /// What the film and its companions take, and what techniques keep of paths from the lights.
-const FILM: [&str; 7] = ["film", "film by path length", "tally", "splats", "light paths", "grid cells", "grid places"];
+const FILM: [&str; 8] =
+    ["film", "film by path length", "film by blocks", "tally", "splats", "light paths", "grid cells", "grid places"];
 
 /// Settings that make every kind of buffer there is.
 fn with_layers(scene: &Scene, backend: Backend) -> Settings {
@@ -248,8 +249,11 @@ fn what_does_not_fit_is_refused_before_it_is_built() {
             let plain = settings(&scene, "path", backend);
             let absurd = Settings { width: 65536, height: 65536, lengths: 64, ..plain.clone() };
             let message = refused(gpu, &scene, &absurd);
-            assert!(message.contains("needs 6384.00 GiB on"), "{message}");
-            assert!(message.contains("film by path length 6144.00 GiB, film 240.00 GiB and"), "{message}");
+            assert!(message.contains("needs 19248.00 GiB on"), "{message}");
+            assert!(
+                message.contains("film by blocks 12864.00 GiB, film by path length 6144.00 GiB and film 240.00 GiB"),
+                "{message}"
+            );
             // The size that is offered fits, and twice that does not.
             let size = message.split("--size ").nth(1).unwrap().split(' ').next().unwrap();
             let (width, height) = size.split_once('x').unwrap();

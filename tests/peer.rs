@@ -129,7 +129,7 @@ fn a_peer_takes_part_in_a_bench() {
     assert_eq!((setup.load, setup.build, setup.compile), (0.5, 0.25, 2.0));
 
     let folder = tempfile::tempdir().unwrap();
-    let runs = bench(folder.path(), Limits { seeds: 2, seconds: None, spp: Some(6) }, variant).unwrap();
+    let runs = bench(folder.path(), Limits { seeds: 2, seconds: None, spp: Some(6), first_seed: 0 }, variant).unwrap();
     for (seed, run) in runs.iter().enumerate() {
         assert_eq!((run.seed as usize, run.nonfinite, run.rays), (seed, 7, None));
         let along: Vec<(u64, f64)> = run.points.iter().map(|point| (point.spp, point.seconds)).collect();
@@ -162,7 +162,7 @@ fn a_peer_stops_in_time() {
         r#"[ "$spp" -gt 5 ] && spp=5; echo "{\"spp\": $spp, \"seconds\": $spp, \"image\": \"$image\"}""#,
     );
     let folder = tempfile::tempdir().unwrap();
-    let limits = Limits { seeds: 1, seconds: Some(4.5), spp: None };
+    let limits = Limits { seeds: 1, seconds: Some(4.5), spp: None, first_seed: 0 };
     let runs = bench(folder.path(), limits, script.variant().unwrap()).unwrap();
     assert_eq!(runs[0].points.iter().map(|point| point.spp).collect::<Vec<_>>(), [1, 2, 4, 5]);
     assert_eq!(script.heard().last().unwrap()["advance"]["seconds"], 4.5);

@@ -5,6 +5,7 @@
 
 pub mod against;
 mod measure;
+pub mod merge;
 pub mod peer;
 pub mod results;
 mod rows;

@@ -39,6 +39,9 @@ pub struct Limits {
     pub seconds: Option<f64>,
     /// Samples per pixel of each run, if those are.
     pub spp: Option<u32>,
+    /// The seed of the first run.
+    #[serde(default)]
+    pub first_seed: u32,
 }
 
 /// What a bench tells while it runs.
@@ -81,17 +84,18 @@ impl Bench<'_> {
         let total = count * self.limits.seeds as usize;
         let mut runs: Vec<Vec<Run>> = vec![Vec::new(); count];
         let mut warm = vec![false; count];
-        for seed in 0..self.limits.seeds {
+        for round in 0..self.limits.seeds {
+            let seed = self.limits.first_seed + round;
             for turn in 0..count {
                 // Another one begins each round, so that none always follows the same one.
-                let index = (turn + seed as usize) % count;
+                let index = (turn + round as usize) % count;
                 let variant = &mut variants[index];
                 if let Some(run) = self.kept(index, &variant.name, seed) {
                     hear(Event::Kept(&variant.name, seed))?;
                     runs[index].push(run);
                     continue;
                 }
-                hear(Event::Run(&variant.name, seed, seed as usize * count + turn, total))?;
+                hear(Event::Run(&variant.name, seed, round as usize * count + turn, total))?;
                 if !std::mem::replace(&mut warm[index], true) {
                     variant.subject.begin(u32::MAX)?;
                     variant.subject.advance(Stop { spp: WARM_UP, seconds: self.limits.seconds })?;

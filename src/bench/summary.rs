@@ -28,8 +28,20 @@ impl Bench<'_> {
     /// Runs the scene and sums it up.
     pub fn results(&self, variants: &mut [Variant], mut hear: impl FnMut(Event) -> Result<()>) -> Result<Summary> {
         let runs = self.run(variants, &mut hear)?;
+        let (all, pairs) = self.summed_up(variants, &runs)?;
+        hear(Event::Rows)?;
+        let (equal_time, equal_spp) = self.rows(variants, &runs)?;
+        Ok(Summary { variants: all, pairs, equal_time, equal_spp })
+    }
+
+    /// The figures of runs, one list for each variant, and of each variant against the first.
+    pub(super) fn summed_up(
+        &self,
+        variants: &[Variant],
+        runs: &[Vec<Run>],
+    ) -> Result<(Vec<VariantResults>, Vec<Pair>)> {
         let mut all = Vec::new();
-        for (variant, runs) in variants.iter().zip(&runs) {
+        for (variant, runs) in variants.iter().zip(runs) {
             let images: Vec<Image> = runs.iter().map(|run| self.image(run)).collect::<Result<_>>()?;
             let bias = squared_bias(&images, &self.truth.image, self.truth.variance.as_ref());
             let floor = Floor {
@@ -40,10 +52,8 @@ impl Bench<'_> {
             let pixels = self.truth.image.pixels.len() as f64;
             all.push(figures(variant, runs, floor, pixels, self.truth.deviations()));
         }
-        hear(Event::Rows)?;
-        let (equal_time, equal_spp) = self.rows(variants, &runs)?;
         let pairs = all.iter().skip(1).map(|variant| pair(variant, &all[0])).collect();
-        Ok(Summary { variants: all, pairs, equal_time, equal_spp })
+        Ok((all, pairs))
     }
 }
 

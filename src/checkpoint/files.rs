@@ -2,14 +2,15 @@
 
 use std::ffi::OsString;
 use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::format::{self, Header};
+use super::format::{self, Header, Save};
 use super::identity::Identity;
 use super::lock::Lock;
 use crate::error::{Error, Result};
 use crate::files::{check_writable, file_behind, folder_of, inherit};
-use crate::render::Renderer;
+use crate::render::{Renderer, SavedFilm};
 
 /// The checkpoints of one rendering: `FILE`, and as `FILE.previous` the one before it. While one is written it is `FILE.partial`; and
 /// `FILE.lock` keeps other processes away for as long as this lives. Where the name is that of a symbolic link, `FILE` is what it leads to.
@@ -86,11 +87,24 @@ impl Checkpoints {
         format::restore(&found.path, renderer)
     }
 
+    /// Writes a checkpoint of a rendering.
+    pub fn save(&mut self, header: &Header, renderer: &mut Renderer) -> Result<()> {
+        self.write(header, &mut |path, to| renderer.save(path, to))
+    }
+
+    /// Writes a checkpoint of a film with the technique's own state after it.
+    pub fn save_film(&mut self, header: &Header, film: &mut SavedFilm, state: &[u8]) -> Result<()> {
+        self.write(header, &mut |path, to| {
+            film.write(path, to)?;
+            to.write_all(state).map_err(|error| Error::write(path, error))
+        })
+    }
+
     /// Writes a checkpoint. At no time is there none, if there was one: the new file is whole and on the disk before it takes the place
     /// of the last one, which is kept.
-    pub fn save(&mut self, header: &Header, renderer: &mut Renderer) -> Result<()> {
+    fn write(&mut self, header: &Header, save: &mut Save) -> Result<()> {
         let partial = beside(&self.path, ".partial");
-        let written = format::write(&partial, header, renderer).and_then(|()| self.replace(&partial));
+        let written = format::write(&partial, header, save).and_then(|()| self.replace(&partial));
         if let Err(error) = written {
             let _ = std::fs::remove_file(&partial);
             // The name that the user knows, not that of the file in the making.
@@ -115,6 +129,26 @@ impl Checkpoints {
         // Names are on the disk once their folder is.
         File::open(folder_of(&self.path)).and_then(|folder| folder.sync_all()).map_err(failed)
     }
+}
+
+/// Reads a checkpoint as it lies there: its header, the film, and the technique's own state.
+pub fn read(path: &Path) -> Result<(Header, SavedFilm, Vec<u8>)> {
+    let header = read_header(path)?;
+    let (film, state) = format::read_film(path, &header)?;
+    Ok((header, film, state))
+}
+
+/// Reads the header of a checkpoint, which must be whole.
+pub fn read_header(path: &Path) -> Result<Header> {
+    format::read_header(path).map_err(|cause| Error::read(path, cause))
+}
+
+/// Whether a file begins as a checkpoint does.
+pub fn is_checkpoint(path: &Path) -> Result<bool> {
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(|error| Error::read(path, error))?;
+    file.take(format::MAGIC.len() as u64).read_to_end(&mut start).map_err(|error| Error::read(path, error))?;
+    Ok(start == format::MAGIC)
 }
 
 /// The file of that name with more at its end.

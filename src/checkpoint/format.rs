@@ -8,12 +8,13 @@ use serde::{Deserialize, Serialize};
 
 use super::identity::Identity;
 use crate::error::{Error, Result};
-use crate::render::Renderer;
+use crate::render::{FilmShape, Renderer, SavedFilm};
+use crate::techniques::{FilmScale, Shard};
 
 /// What each begins with.
-const MAGIC: &[u8; 8] = b"lumbreCP";
+pub(super) const MAGIC: &[u8; 8] = b"lumbreCP";
 /// Counts up whenever what follows is laid out differently.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// The most bytes of a header: what is longer is none.
 const MOST_HEADER: u32 = 1 << 20;
 /// Bytes of the checksum at the end: CRC-32 (IEEE 802.3) of all before it.
@@ -34,7 +35,36 @@ pub struct Header {
     pub spent: f64,
     /// Where it is to stop at an error: samples per pixel at which that is looked at next.
     pub next_look: Option<u32>,
+    /// The share of the samples that it is.
+    pub shard: Option<Shard>,
+    /// How to read the film.
+    pub shape: FilmShape,
+    /// What the film is multiplied by, with the estimate of the brightness that this follows from: its mean and its variance.
+    pub scale: Option<[f64; 3]>,
+    /// What the header of an image says of the rendering and its settings.
+    pub about: serde_json::Value,
 }
+
+impl Header {
+    /// Of a rendering as it stands; `about` is what the header of an image says of it.
+    pub fn of(renderer: &Renderer, identity: Identity, about: serde_json::Value) -> Result<Self> {
+        let scale = |scale: FilmScale| [scale.factor, scale.brightness.mean, scale.brightness.variance];
+        Ok(Self {
+            identity,
+            expected_samples: renderer.settings().expected_samples,
+            spp: renderer.spp(),
+            spent: 0.0,
+            next_look: None,
+            shard: renderer.settings().shard,
+            shape: renderer.shape(),
+            scale: renderer.film_scale()?.map(scale),
+            about,
+        })
+    }
+}
+
+/// Writes what follows on the header to a stream; messages call it by the path.
+pub(super) type Save<'a> = dyn FnMut(&Path, &mut dyn Write) -> Result<()> + 'a;
 
 /// Sums what passes through.
 struct Summing<T> {
@@ -55,7 +85,7 @@ impl<T: Write> Write for Summing<T> {
 }
 
 /// Writes a checkpoint to `path`, which becomes a new file, and waits until it is on the disk.
-pub(super) fn write(path: &Path, header: &Header, renderer: &mut Renderer) -> Result<()> {
+pub(super) fn write(path: &Path, header: &Header, save: &mut Save) -> Result<()> {
     let failed = |error: std::io::Error| Error::write(path, error);
     let file = File::create(path).map_err(failed)?;
     let mut to = Summing { inner: BufWriter::new(&file), sum: crc32fast::Hasher::new() };
@@ -64,7 +94,7 @@ pub(super) fn write(path: &Path, header: &Header, renderer: &mut Renderer) -> Re
     to.write_all(&VERSION.to_le_bytes()).map_err(failed)?;
     to.write_all(&(text.len() as u32).to_le_bytes()).map_err(failed)?;
     to.write_all(&text).map_err(failed)?;
-    renderer.save(path, &mut to)?;
+    save(path, &mut to)?;
     let sum = to.sum.clone().finalize();
     to.write_all(&sum.to_le_bytes()).map_err(failed)?;
     to.flush().map_err(failed)?;
@@ -114,14 +144,31 @@ pub(super) fn read_header(path: &Path) -> Result<Header, String> {
     serde_json::from_slice(&text).map_err(|error| format!("its header cannot be read: {error}"))
 }
 
-/// Gives a renderer the state of a checkpoint whose header was read.
-pub(super) fn restore(path: &Path, renderer: &mut Renderer) -> Result<()> {
+/// What follows on the header of a checkpoint that was read.
+fn after_header(path: &Path) -> Result<BufReader<File>> {
     let failed = |error: std::io::Error| Error::read(path, error);
     let mut from = BufReader::with_capacity(1 << 20, File::open(path).map_err(failed)?);
     let mut prefix = [0; PREFIX as usize];
     from.read_exact(&mut prefix).map_err(failed)?;
     let header = u32::from_le_bytes([prefix[12], prefix[13], prefix[14], prefix[15]]);
     from.seek_relative(i64::from(header)).map_err(failed)?;
+    Ok(from)
+}
+
+/// The film of a checkpoint whose header was read, and the technique's own state after it.
+pub(super) fn read_film(path: &Path, header: &Header) -> Result<(SavedFilm, Vec<u8>)> {
+    let mut from = after_header(path)?;
+    let film = SavedFilm::read(path, &header.shape, &mut from)?;
+    let mut state = Vec::new();
+    from.read_to_end(&mut state).map_err(|error| Error::read(path, error))?;
+    state.truncate(state.len().saturating_sub(CHECKSUM as usize));
+    Ok((film, state))
+}
+
+/// Gives a renderer the state of a checkpoint whose header was read.
+pub(super) fn restore(path: &Path, renderer: &mut Renderer) -> Result<()> {
+    let failed = |error: std::io::Error| Error::read(path, error);
+    let mut from = after_header(path)?;
     renderer.restore(path, &mut from)?;
     let mut rest = Vec::new();
     from.take(CHECKSUM + 1).read_to_end(&mut rest).map_err(failed)?;

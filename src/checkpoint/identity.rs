@@ -10,6 +10,12 @@ use crate::render::{Settings, kernels_fingerprint};
 use crate::scene::Scene;
 use crate::techniques::Strategies;
 
+/// The entry that says which share of the samples it is.
+const SHARD: &str = "shard";
+
+/// The entries that say on what it was rendered.
+const MACHINE: [&str; 2] = ["device", "driver"];
+
 /// Names and values of what the bits of an image depend on, besides the number of samples.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity(Vec<(String, String)>);
@@ -32,6 +38,7 @@ impl Identity {
             rr_depth,
             sampler,
             seed,
+            shard,
             lengths,
             strategies,
             aovs: _, // made anew once the image is there, whose bits they do not change
@@ -63,6 +70,7 @@ impl Identity {
             // The same bits by intent, and in tests; but a driver is free to regroup sums otherwise.
             ("specialised by the driver", driver_specialises.to_string()),
             ("arithmetic", format!("{arithmetic:?}")),
+            (SHARD, shard.map_or(String::from("none"), |shard| format!("{shard} of {} samples", shard.samples))),
             ("chunk", chunk.to_string()),
             ("device", survey.name.clone()),
             ("driver", survey.driver.clone()),
@@ -72,15 +80,32 @@ impl Identity {
         Self(entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
 
+    /// The same as if it were rendered on no device in particular.
+    pub fn anywhere(mut self) -> Self {
+        self.0.retain(|(name, _)| !MACHINE.contains(&name.as_str()));
+        self
+    }
+
+    /// That of the rendering that a shard is a part of.
+    pub fn whole(mut self) -> Self {
+        self.0.iter_mut().filter(|(name, _)| name == SHARD).for_each(|(_, value)| *value = String::from("none"));
+        self
+    }
+
     /// What differs from `asked`, each with both values; nothing where all is the same.
     pub fn differs(&self, asked: &Self) -> Option<String> {
+        self.differs_from(asked, ["there", "asked for"])
+    }
+
+    /// What differs from `asked`, each with both values and the words for where they are; nothing where all is the same.
+    pub fn differs_from(&self, asked: &Self, [here, there]: [&str; 2]) -> Option<String> {
         let value = |of: &Self, name: &str| of.0.iter().find(|(key, _)| key == name).map(|(_, value)| value.clone());
         let names = self.0.iter().chain(&asked.0).map(|(name, _)| name);
         let mut different: Vec<String> = Vec::new();
         for name in names {
             let (own, other) = (value(self, name), value(asked, name));
             let [own_text, other_text] = [&own, &other].map(|value| value.as_deref().unwrap_or("nothing"));
-            let text = format!("{name} ({own_text} there, {other_text} asked for)");
+            let text = format!("{name} ({own_text} {here}, {other_text} {there})");
             if own != other && !different.contains(&text) {
                 different.push(text);
             }

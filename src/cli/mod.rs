@@ -13,6 +13,7 @@ mod lecture;
 mod list;
 mod man;
 mod markdown;
+mod merge;
 mod output;
 mod rays;
 mod reference;
@@ -49,6 +50,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Make an image that stands for the truth, with a certificate; or check one
     Reference(reference::ReferenceArgs),
+    /// Put together the shards of a rendering, or benches of the same variants
+    Merge(merge::MergeArgs),
     /// Measure raw ray throughput: primary, shadow and diffuse-bounce rays
     Rays(rays::RaysArgs),
     /// Hold this device against the accuracy suite
@@ -83,6 +86,7 @@ pub fn main() -> u8 {
         Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Reference(args) => reference::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Rays(args) => rays::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),

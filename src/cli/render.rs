@@ -1,5 +1,6 @@
 //! `lumbre render`.
 
+pub(super) mod about;
 mod denoise;
 mod fireflies;
 mod job;
@@ -8,7 +9,7 @@ mod layers;
 mod progress;
 mod pyramid;
 mod record;
-mod report;
+pub(super) mod report;
 mod tev;
 mod write;
 
@@ -26,12 +27,13 @@ use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{AovSettings, Correlated, LONGEST, Strategies};
+use lumbre::techniques::{AovSettings, Correlated, LONGEST, Shard, Strategies};
 
 use super::args::{DeviceArgs, SceneArgs, parse_positive};
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
 use super::settings::SettingsArgs;
+use about::About;
 use fireflies::Fireflies;
 use job::Job;
 use keep::CheckpointWriter;
@@ -101,6 +103,11 @@ pub(super) struct RenderArgs {
     #[arg(long, conflicts_with_all = ["lengths", "strategies"])]
     denoise: bool,
 
+    /// Render a share of the samples, to be put together by `lumbre merge`: shard K of N (1/8 to 8/8), of the -n samples per pixel of all of them,
+    /// in blocks of 64. Writes images only where -o asks for them
+    #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["time", "error"])]
+    shard: Option<(u32, u32)>,
+
     /// Write the figures as JSON ('-' is standard output)
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -140,6 +147,13 @@ pub(super) struct RenderArgs {
     /// Print nothing but errors
     #[arg(short, long)]
     quiet: bool,
+}
+
+fn parse_shard(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text.split_once('/').and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+    numbers
+        .filter(|(number, of)| (1..=*of).contains(number))
+        .ok_or_else(|| String::from("it must be K/N with K from 1 to N"))
 }
 
 /// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.
@@ -218,6 +232,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         say!("warning: {} takes for diffuse, with the albedo that they have: {taken}", settings.technique.row.name);
     }
 
+    if settings.shard.is_some() && settings.technique.row.correlated == Correlated::Samples && !args.quiet {
+        say!("note: {}: {}", settings.technique.row.name, lumbre::merge::CHAINS_ARE_OWN);
+    }
     let checkpoint = args.checkpoint.as_deref();
     let parts = (&scene, &mut settings, &gpu);
     let mut keeper = CheckpointWriter::new(checkpoint, args.checkpoint_interval, args.resume, args.quiet, parts)?;
@@ -227,6 +244,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
     building.finish();
     let mut renderer = built?;
+    let about = About::new(&scene, &gpu, &renderer);
+    keeper.about(&about);
     if let Some(folder) = &args.record {
         record::record(&gpu, &mut renderer, folder)?;
     }
@@ -244,7 +263,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let trace = |x, y, sample| trace_command(args, renderer.settings(), x, y, sample);
     let found = fireflies.found(&renderer, trace)?;
-    let mut result = report::Report::new(&scene, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
+    let told = (about.settings, report::Figures { rays: renderer.rays(), frames: frames(&renderer), rare: about.rare });
+    let mut result = report::Report::new(told, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
     // Should they fail, the image is still to be written.
     let (aovs, mut lost) = match renderer.aovs() {
         Ok(aovs) => (aovs, None),
@@ -262,6 +282,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(aovs) = &aovs {
         picture.header.extend(layers::header(&layers, &scene, aovs));
     }
+    if let Some(shard) = settings.shard {
+        picture.header.extend(lumbre::merge::images::header(shard, keeper.identity()));
+    }
     let written = write::write_outputs(&job.outputs, &film, &picture, &keeper);
     viewer.finish(&picture.image);
     written?;
@@ -270,11 +293,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     }
     let is_taken = |path: &Path| path == Path::new("-") || is_standard_output(path);
     if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| is_taken(path)) {
-        report::print_summary(&result, &job.outputs, interrupted.load(Ordering::Relaxed));
+        let written: Vec<&Path> = job.outputs.iter().map(PathBuf::as_path).chain(checkpoint).collect();
+        report::print_summary(&result, &written, interrupted.load(Ordering::Relaxed));
     }
     kept.map_err(|error| keeper.explain(error))?;
     lost.map_or(Ok(()), |error| Err(keeper.explain(error)))?;
     DeviceArgs::report_validation(&gpu)
+}
+
+/// Seconds of all frames by the host's clock, and by the device's.
+fn frames(renderer: &Renderer) -> [f64; 2] {
+    let seconds = renderer.seconds();
+    [seconds.render, seconds.device]
 }
 
 /// Renders until the job is done or the user ends it. Returns the seconds that were spent, those before a checkpoint included, and
@@ -329,7 +359,13 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     let stdout = Path::new("/dev/stdout");
     let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
     let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
-    if outputs.is_empty() {
+    if outputs.is_empty() && args.shard.is_some() {
+        if args.checkpoint.is_none() {
+            return Err(Error::Usage(String::from(
+                "--shard writes what lumbre merge puts together: give --checkpoint FILE, or -o FILE.exr, whose merging rounds",
+            )));
+        }
+    } else if outputs.is_empty() {
         let stem = args.scene.scene.file_stem().filter(|stem| *stem != STANDARD_INPUT);
         let stem = PathBuf::from(stem.unwrap_or_else(|| "image".as_ref()));
         outputs = vec![stem.with_extension("exr"), stem.with_extension("png")];
@@ -341,7 +377,9 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
         return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
     }
-    if !has_exr(&outputs) && (args.lengths.is_some() || !args.aov.is_empty()) {
+    // The checkpoint of a shard keeps its layers.
+    let is_lost = args.lengths.is_some() && args.shard.is_none();
+    if !has_exr(&outputs) && (is_lost || !args.aov.is_empty()) {
         return Err(Error::Usage(String::from(
             "--lengths and --aov write layers of an EXR file: give an output that ends in .exr",
         )));
@@ -400,5 +438,7 @@ fn settle(
     };
     settings.records = if args.fireflies > 0 { fireflies::ROOM } else { 0 };
     settings.expected_samples = expected_samples(args, scene, camera);
+    settings.shard = args.shard.map(|(number, of)| Shard::new(number, of, spp)).transpose()?;
+    let spp = settings.shard.map_or(spp, Shard::count);
     Ok((settings, Job { outputs, spp, time: args.time }))
 }

@@ -1,5 +1,6 @@
 //! OpenEXR: linear values in 32-bit float, layers by the names of their channels, texts in the header.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use exr::prelude::{
@@ -9,7 +10,7 @@ use exr::prelude::{
 
 use super::Image;
 use super::limits::{EXR_RATIO, check_size};
-use super::picture::{COLOURS, Format, Picture, format_of};
+use super::picture::{COLOURS, Format, NamedLayer, Picture, format_of};
 use crate::error::{Error, Result};
 use crate::files::{WriteSeek, open};
 
@@ -72,6 +73,54 @@ pub(super) fn read(path: &Path) -> Result<Image> {
     Ok(Image { width: size.width() as u32, height: size.height() as u32, pixels })
 }
 
+/// Channels that a layer of a [`Picture`] may have.
+const CHANNELS: [&[&str]; 5] = [COLOURS, &["X", "Y", "Z"], &["Z"], &["U", "V"], &["X"]];
+
+/// All of an EXR file that [`Picture`] holds: layers with other channels than its own are left out.
+pub fn read_picture(path: &Path) -> Result<Picture> {
+    check_exr(path)?;
+    let image = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .map_err(|error| Error::read(path, error))?;
+    let size = image.layer_data.size;
+    let mut grouped: BTreeMap<String, Vec<(String, Vec<f32>)>> = BTreeMap::new();
+    for channel in &image.layer_data.channel_data.list {
+        let name = channel.name.to_string();
+        let (layer, letter) = name.rsplit_once('.').unwrap_or(("", &name));
+        let values = channel.sample_data.values_as_f32().collect();
+        grouped.entry(layer.to_owned()).or_default().push((letter.to_owned(), values));
+    }
+    let mut layers = Vec::new();
+    for (name, own) in grouped {
+        let find = |letter: &str| own.iter().find(|(name, _)| name == letter).map(|(_, values)| values);
+        let has =
+            |letters: &&&[&str]| letters.len() == own.len() && letters.iter().all(|letter| find(letter).is_some());
+        let Some(&channels) = CHANNELS.iter().find(has) else { continue };
+        let value = |pixel: usize, channel: usize| {
+            channels.get(channel).and_then(|letter| find(letter)).map_or(0.0, |values| values[pixel])
+        };
+        let pixels = (0..size.area()).map(|pixel| [0, 1, 2].map(|channel| value(pixel, channel))).collect();
+        let image = Image { width: size.width() as u32, height: size.height() as u32, pixels };
+        layers.push(NamedLayer { name, channels, image });
+    }
+    let at = layers.iter().position(|layer| layer.name.is_empty());
+    let Some(at) = at else { return Err(Error::read(path, "it has no channels R, G and B")) };
+    let own = &image.layer_data.attributes.other;
+    let header = own.iter().filter_map(|(name, value)| Some((name.to_string(), plain(value)?))).collect();
+    Ok(Picture { image: layers.remove(at).image, layers, header })
+}
+
+/// An attribute of the header that is a text. Other programs may have written one byte for each character.
+fn plain(value: &AttributeValue) -> Option<String> {
+    let AttributeValue::Text(text) = value else { return None };
+    Some(std::str::from_utf8(text.as_slice()).map_or_else(|_| text.to_string(), std::borrow::ToOwned::to_owned))
+}
+
 /// The layer `name` of an EXR file: its channels `name.R`, `name.G` and `name.B`. Nothing where it has none, or in another format.
 pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
     if format_of(path)? != Format::Exr {
@@ -104,11 +153,5 @@ pub fn read_attribute(path: &Path, name: &str) -> Result<Option<String>> {
     }
     let meta = exr::meta::MetaData::read_from_file(path, false).map_err(|error| Error::read(path, error))?;
     let found = meta.headers.iter().flat_map(|header| &header.own_attributes.other).find(|(own, _)| **own == *name);
-    Ok(found.and_then(|(_, value)| match value {
-        // Other programs may have written one byte for each character.
-        AttributeValue::Text(text) => {
-            Some(std::str::from_utf8(text.as_slice()).map_or_else(|_| text.to_string(), std::borrow::ToOwned::to_owned))
-        }
-        _ => None,
-    }))
+    Ok(found.and_then(|(_, value)| plain(value)))
 }

@@ -11,7 +11,7 @@ mod srgb;
 mod texels;
 
 pub use decode::{Encoding, decode_texture, read_texture};
-pub use exr::{read_attribute, read_layer};
+pub use exr::{read_attribute, read_layer, read_picture};
 pub use file::{read_image, write_picture};
 pub use picture::{Format, NamedLayer, Picture, format_of};
 pub(crate) use png::png_of;

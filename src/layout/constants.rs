@@ -137,6 +137,10 @@ shared_constants! {
     /// Flag on `FrameConstants::word` of radiosity, whose other bits are the rounds in which patches have passed light on before this one:
     /// each round adds light of one more segment.
     pub const PREPARING_BIT = 0x8000_0000;
+    /// Sums of the film over blocks of samples are whole numbers of the splats' unit, moved down by so many bits.
+    pub const BLOCK_SUM_BITS = 24;
+    /// Sums of squares are whole numbers of the square of that unit, moved up by so many bits.
+    pub const BLOCK_SQUARE_BITS = 12;
     /// Non-finite samples that are located; more are only counted.
     pub const BAD_SAMPLES = 16;
     /// Counters over which the rays of a dispatch are spread, so that threads seldom meet.

@@ -33,6 +33,8 @@ pub struct DeviceScene {
     pub(super) uniforms: Buffer,
     /// The driver's acceleration structure (`ray-query`).
     pub(super) tlas: Option<Tlas>,
+    /// The value of one unit of splats, W/(m² sr).
+    pub(super) splat_unit: f32,
     /// Entries that traversal needs of its stack (`bvh`).
     pub(super) stack_size: u32,
     /// Leaves of the tree hold pairs of triangles (`bvh`).
@@ -125,6 +127,7 @@ impl DeviceScene {
         let plane = settings.image_plane(scene)?;
         let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let (core_centre, core_radius) = scene.core();
+        let splat_unit = splat_unit(scene);
         let mut uniforms = SceneUniforms {
             width: settings.width,
             height: settings.height,
@@ -153,7 +156,7 @@ impl DeviceScene {
             radius: sphere_radius(scene),
             core_centre: core_centre.into(),
             core_radius: core_radius * SPHERE_MARGIN,
-            splat_unit: splat_unit(scene),
+            splat_unit,
             filter_parameters: settings.filter.parameters().1,
             filter_scale: (1.0 / settings.filter.integral()) as f32,
             primitives: place_of(Some(&primitives)),
@@ -179,6 +182,7 @@ impl DeviceScene {
             needs,
             uniforms: Buffer::with_data(gpu, "scene uniforms", &block)?,
             tlas: built.tlas,
+            splat_unit,
             stack_size: built.stack_size,
             inline: if inline_fits {
                 built.order.iter().map(|index| scene.primitives[*index as usize]).collect()

@@ -3,7 +3,6 @@
 use crate::image::Image;
 use crate::image::metrics::RELATIVE_FLOOR;
 use crate::image::metrics::pixels::{HEAVY_TAIL, worst_share};
-use crate::layout::FilmPixel;
 use crate::statistics::Estimate;
 use crate::techniques::Strategy;
 
@@ -144,45 +143,8 @@ impl ErrorEstimate {
 }
 
 impl Film {
-    /// Takes over the sums that the device kept as a float and its low part.
-    pub(crate) fn from_device(
-        width: u32,
-        height: u32,
-        counts: Vec<u64>,
-        pixels: &[FilmPixel],
-        layers: &[[f32; 3]],
-        layer_count: usize,
-        has_halves: bool,
-    ) -> Self {
-        let pair = |high: [f32; 3], low: [f32; 3]| {
-            std::array::from_fn(|channel| f64::from(high[channel]) + f64::from(low[channel]))
-        };
-        let lengths = (0..layer_count)
-            .map(|layer| {
-                layers.chunks_exact(2 * layer_count).map(|pixel| pair(pixel[2 * layer], pixel[2 * layer + 1])).collect()
-            })
-            .collect();
-        let mut film = Self {
-            width,
-            height,
-            counts,
-            sums: pixels.iter().map(|pixel| pair(pixel.sum, pixel.sum_low)).collect(),
-            squares: pixels.iter().map(|pixel| pair(pixel.squares, pixel.squares_low)).collect(),
-            halves: None,
-            lengths,
-            strategies: Vec::new(),
-            brightness: None,
-            nonfinite: 0,
-            bad_samples: Vec::new(),
-        };
-        if has_halves {
-            film.set_differences(pixels.iter().map(|pixel| pixel.difference.map(f64::from)).collect());
-        }
-        film
-    }
-
     /// Takes the samples' halves over, and estimates tile by tile what the sampler leaves of the variance.
-    fn set_differences(&mut self, differences: Vec<[f64; 3]>) {
+    pub(super) fn set_differences(&mut self, differences: Vec<[f64; 3]>) {
         let tiles = |side: u32| side.div_ceil(TILE);
         let mut whole = TileVariance::default();
         let mut sums = vec![TileVariance::default(); tiles(self.width) as usize * tiles(self.height) as usize];
@@ -226,6 +188,39 @@ impl Film {
             let difference = difference[channel] - excess * self.sums[pixel][channel] / n;
             difference * difference / (n * n - excess)
         })
+    }
+
+    /// Adds the samples of another film of the same shape that is independent of this one: of chains of their own, each scaled by its own estimate
+    /// of the brightness.
+    pub fn add(&mut self, other: &Self) {
+        let [own, its] = [&*self, other].map(|film| film.spp() as f64);
+        let add = |sums: &mut Vec<[f64; 3]>, others: &[[f64; 3]]| {
+            sums.iter_mut().flatten().zip(others.iter().flatten()).for_each(|(sum, other)| *sum += other);
+        };
+        add(&mut self.sums, &other.sums);
+        add(&mut self.squares, &other.squares);
+        self.counts.iter_mut().zip(&other.counts).for_each(|(count, other)| *count += other);
+        self.lengths.iter_mut().zip(&other.lengths).for_each(|(sums, others)| add(sums, others));
+        for (layers, others) in self.strategies.iter_mut().zip(&other.strategies) {
+            add(&mut layers.unweighted, &others.unweighted);
+            add(&mut layers.weighted, &others.weighted);
+        }
+        self.brightness = self.brightness.zip(other.brightness).map(|(a, b)| Estimate {
+            mean: (own * a.mean + its * b.mean) / (own + its),
+            variance: (own * own * a.variance + its * its * b.variance) / (own + its).powi(2),
+        });
+        self.halves = None;
+        self.nonfinite += other.nonfinite;
+        self.bad_samples.extend_from_slice(&other.bad_samples);
+    }
+
+    /// The same, multiplied by the factor of a checkpoint's `scale`, where it has one.
+    pub fn scaled(mut self, scale: Option<[f64; 3]>) -> Self {
+        if let Some([factor, mean, variance]) = scale {
+            self.brightness = Some(Estimate { mean, variance });
+            self.scale(factor);
+        }
+        self
     }
 
     /// Multiplies all samples.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::error::Result;
 use crate::layout::WORKGROUP;
-use crate::techniques::{FrameLimits, Pace, StateStream, slots};
+use crate::techniques::{BLOCK_SAMPLES, FrameLimits, Pace, StateStream, slots};
 
 /// One dispatch: a run of slots (pixels in tiles of 8 x 8) and a run of samples for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,8 @@ impl Frame {
 
 /// How far a rendering is, and how large its next frame is. A pass gives all slots the same number of samples; a slow
 /// device takes several frames over one pass, a fast one several samples per pass. Where a pass has stages, all slots go
-/// through one before any begins the next: in frames of its own, or, where one frame has all slots, in that.
+/// through one before any begins the next: in frames of its own, or, where one frame has all slots, in that. No pass has samples of two
+/// blocks ([`BLOCK_SAMPLES`]).
 #[derive(Clone, Debug)]
 pub(super) struct FramePlan {
     width: u32,
@@ -41,7 +42,9 @@ pub(super) struct FramePlan {
     /// The most slots of a dispatch.
     most_slots: u32,
     limits: FrameLimits,
-    /// Samples that all slots have.
+    /// The index of the first sample.
+    first: u32,
+    /// The index of the next sample of all slots.
     done: u32,
     /// Stage of the current pass, slots that are through it already, and the samples of that pass.
     stage: u32,
@@ -63,6 +66,7 @@ impl FramePlan {
             stages,
             most_slots,
             limits,
+            first: 0,
             done: 0,
             stage: 0,
             cursor: 0,
@@ -74,7 +78,12 @@ impl FramePlan {
 
     /// The plan at its beginning; what it knows of the speed stays.
     pub fn restarted(&self) -> Self {
-        Self { done: 0, stage: 0, cursor: 0, pass: 0, ..self.clone() }
+        Self { done: self.first, stage: 0, cursor: 0, pass: 0, ..self.clone() }
+    }
+
+    /// The plan of samples from this index on.
+    pub fn starting_at(self, first: u32) -> Self {
+        Self { first, done: first, ..self }
     }
 
     /// Bounds the pixel samples of a frame's stage, whatever the speed.
@@ -90,6 +99,7 @@ impl FramePlan {
     /// The next frame, or nothing once all slots have `target` samples.
     pub fn next(&self, target: u32) -> Option<Frame> {
         let begins = self.is_between_passes();
+        let target = self.first.saturating_add(target);
         if begins && self.done >= target {
             return None;
         }
@@ -97,7 +107,8 @@ impl FramePlan {
         let through_all = capacity / u64::from(self.stages);
         let samples = if begins {
             let fit = (through_all / u64::from(self.slots)).max(1);
-            u32::try_from(fit).unwrap_or(u32::MAX).min(self.limits.samples).min(target - self.done)
+            let of_block = BLOCK_SAMPLES - self.done % BLOCK_SAMPLES;
+            u32::try_from(fit).unwrap_or(u32::MAX).min(self.limits.samples).min(of_block).min(target - self.done)
         } else {
             self.pass
         };
@@ -138,6 +149,8 @@ impl FramePlan {
         stream.numbers([&mut self.done, &mut self.stage, &mut self.cursor, &mut self.pass])?;
         let is_whole = self.is_between_passes() || self.pass > 0;
         let (stage, stages, cursor, slots) = (self.stage, self.stages, self.cursor, self.slots);
+        let (done, first) = (self.done, self.first);
+        stream.check(done >= first, || format!("{done} as the next sample: valid are those from {first} on"))?;
         stream.check(is_whole && stage < stages && cursor < slots, || {
             format!("slot {cursor} of stage {stage}: valid are slots below {slots}, stages below {stages}, and a pass of some samples")
         })
@@ -153,25 +166,32 @@ impl FramePlan {
         frame.first_slot + frame.slots >= self.slots
     }
 
+    /// Whether all slots have a whole block of samples once this frame is done.
+    pub fn ends_block(&self, frame: Frame) -> bool {
+        let ends_pass = self.ends_stages(frame) && frame.first_stage.saturating_add(frame.stages) >= self.stages;
+        ends_pass && frame.samples > 0 && (frame.first_sample + frame.samples).is_multiple_of(BLOCK_SAMPLES)
+    }
+
+    /// Samples that all slots have.
     pub fn spp(&self) -> u32 {
-        self.done
+        self.done - self.first
     }
 
     pub fn progress(&self) -> f64 {
         let stages = f64::from(self.stage) + f64::from(self.cursor) / f64::from(self.slots);
-        f64::from(self.done) + f64::from(self.pass) * stages / f64::from(self.stages)
+        f64::from(self.spp()) + f64::from(self.pass) * stages / f64::from(self.stages)
     }
 
     /// Samples of each pixel, row by row.
     pub fn counts(&self) -> Vec<u64> {
         let tiles_across = self.width.div_ceil(8);
         if self.limits.whole_passes {
-            return vec![u64::from(self.done); self.width as usize * self.height as usize];
+            return vec![u64::from(self.spp()); self.width as usize * self.height as usize];
         }
         let count = |x: u32, y: u32| {
             let slot = (y / 8 * tiles_across + x / 8) * 64 + y % 8 * 8 + x % 8;
             let has_pass = self.stage + 1 == self.stages && slot < self.cursor;
-            u64::from(self.done) + if has_pass { u64::from(self.pass) } else { 0 }
+            u64::from(self.spp()) + if has_pass { u64::from(self.pass) } else { 0 }
         };
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| count(x, y))).collect()
     }

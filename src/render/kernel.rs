@@ -75,6 +75,13 @@ impl Kernel {
         Ok((pipeline, bindings))
     }
 
+    /// Makes a pipeline of another module with the same constants, for the same scene.
+    pub fn sibling(&self, gpu: &Gpu, name: &str) -> Result<Self> {
+        let made_of = gpu::Kernel { module: name.to_owned(), ..self.made_of.clone() };
+        let (pipeline, bindings) = Self::make(gpu, &made_of, &self.scene)?;
+        Ok(Self { pipeline, bindings, scene: self.scene.clone(), made_of })
+    }
+
     /// Makes the same pipeline once more, beside the old one, which goes then: its code comes to lie elsewhere.
     pub fn remake(&mut self, gpu: &Gpu) -> Result<()> {
         (self.pipeline, self.bindings) = Self::make(gpu, &self.made_of, &self.scene)?;
@@ -92,7 +99,7 @@ impl Kernel {
 pub type Constants = Vec<(u32, u32)>;
 
 /// How much of a module is left for a scene.
-#[derive(Clone, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct KernelSize {
     /// The module: technique, pass and backend.
     pub module: String,

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::aovs;
+use super::blocks;
 use super::device_scene::most_in_part;
 use crate::error::{Bytes, Error, Result, all_of};
 use crate::gpu::Gpu;
@@ -249,6 +250,9 @@ impl Table {
         self.add("film", pixels * size_of::<FilmPixel>() as u64, true);
         // A buffer of nothing takes four bytes.
         self.add("film by path length", (pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES).max(4), true);
+        for _ in 0..blocks::planes(settings.layers()) {
+            self.add(blocks::NAME, blocks::plane_bytes(pixels), true);
+        }
         self.add("tally", TALLY_BYTES, true);
     }
 

@@ -5,6 +5,8 @@
 //! is answered at once.
 
 pub mod aovs;
+mod blocks;
+mod counted;
 mod device_scene;
 pub mod film;
 mod frames;
@@ -12,7 +14,9 @@ mod kernel;
 mod memory;
 mod probe;
 mod records;
+mod saved;
 mod spent;
+mod sums;
 mod target;
 mod watch;
 
@@ -23,19 +27,25 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use aovs::{AovFilm, AovPass};
+pub use counted::Counted;
 pub use memory::{Part, Prediction};
 pub use probe::Probe;
 use records::Recorder;
 pub use records::Wanted;
+pub use saved::SavedFilm;
 pub use spent::{Spent, spent};
+pub use sums::FilmShape;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Buffer, Gpu};
 use crate::layout::{BAD_SAMPLES, FilmPixel, FrameConstants, PathRecord, RAY_COUNTERS, WORKGROUP, address};
-use crate::render::film::{BadSample, Film, StrategyLayers};
+use crate::render::blocks::Blocks;
+use crate::render::film::{BadSample, Film};
+use crate::render::sums::FilmSums;
 use crate::scene::Scene;
+use crate::techniques::Shard;
 use crate::techniques::{
-    Context, Correlated, MergeSchedule, Over, Pass, Sampler, StateReport, StateStream, TechniqueState, Trial, nothing,
+    Context, FilmScale, MergeSchedule, Over, Pass, StateReport, StateStream, Store, TechniqueState, Trial, nothing,
     stages,
 };
 pub use crate::techniques::{Settings, Technique};
@@ -87,13 +97,13 @@ pub struct Renderer {
     aovs: Option<AovPass>,
     film: Buffer,
     layers: Buffer,
+    blocks: Blocks,
     tally: Buffer,
     recorder: Option<Recorder>,
     plan: FramePlan,
+    /// What came before the frames; those are counted.
     seconds: Seconds,
-    rays: u64,
-    nonfinite: u64,
-    bad_samples: Vec<BadSample>,
+    counted: Counted,
 }
 
 impl Renderer {
@@ -139,6 +149,7 @@ impl Renderer {
                 "film by path length",
                 pixels * u64::from(settings.layers()) * LAYER_PIXEL_BYTES,
             )?,
+            blocks: Blocks::new(gpu, settings)?,
             tally: Buffer::zeroed(gpu, "tally", TALLY_BYTES)?,
             recorder: (settings.records > 0).then(|| Recorder::new(gpu, settings.records)).transpose()?,
             plan: FramePlan::new(
@@ -147,15 +158,14 @@ impl Renderer {
                 stages.last().map_or(1, |last| last + 1),
                 gpu.limits().max_workgroups.saturating_mul(WORKGROUP).max(WORKGROUP),
                 state.limits(),
-            ),
+            )
+            .starting_at(settings.shard.map_or(0, Shard::first)),
             stages,
             seconds: Seconds { build, ..Seconds::default() },
             passes,
             state,
             aovs,
-            rays: 0,
-            nonfinite: 0,
-            bad_samples: Vec::new(),
+            counted: Counted::default(),
         };
         while_compiling(watch, || {
             if let Some(aovs) = &renderer.aovs {
@@ -175,13 +185,17 @@ impl Renderer {
         if self.run_job(frame.first_sample)? {
             return Ok(true);
         }
+        let ends_block = self.plan.ends_block(frame);
+        if ends_block {
+            self.prepare_blocks()?;
+        }
         let started = Instant::now();
         let device = self.dispatch(frame, self.plan.ends_stages(frame))?;
+        self.blocks.any |= ends_block;
         let wall = started.elapsed();
         self.plan.done(frame, wall);
         spent::rendered(wall.as_secs_f64(), u64::from(frame.slots) * u64::from(frame.samples));
-        self.seconds.render += wall.as_secs_f64();
-        self.seconds.device += device.as_secs_f64();
+        self.took(wall, device);
         Ok(self.plan.next(target).is_some())
     }
 
@@ -210,6 +224,25 @@ impl Renderer {
         Ok(self.state.film_scale()?.map_or(1.0, |scale| scale.factor))
     }
 
+    fn took(&mut self, wall: Duration, device: Duration) {
+        self.counted.seconds[0] += wall.as_secs_f64();
+        self.counted.seconds[1] += device.as_secs_f64();
+    }
+
+    /// Makes the kernel that ends blocks, and has CPU devices compile it.
+    fn prepare_blocks(&mut self) -> Result<()> {
+        if self.blocks.kernel().is_some() {
+            return Ok(());
+        }
+        let started = Instant::now();
+        self.blocks.prepare(&self.gpu, &self.settings, &self.passes[0].1)?;
+        self.submit("nothing", self.constants(Frame::NOTHING), &[], Some(0))?;
+        let took = started.elapsed().as_secs_f64();
+        self.seconds.compile += took;
+        spent::compiled(took);
+        Ok(())
+    }
+
     /// Tells how many seconds of rendering there will be, where time is what ends it: what goes before the first sample takes the more
     /// time the more there is, and no more than a quarter of it.
     pub fn set_time_budget(&mut self, seconds: f64) {
@@ -221,11 +254,10 @@ impl Renderer {
         self.settings.seed = seed;
         self.film.clear()?;
         self.layers.clear()?;
-        self.state.restart(seed)?;
+        self.blocks.clear()?;
+        self.state.restart(self.settings.random_seed())?;
         self.plan = self.plan.restarted();
-        (self.seconds.render, self.seconds.device) = (0.0, 0.0);
-        (self.rays, self.nonfinite) = (0, 0);
-        self.bad_samples.clear();
+        self.counted = Counted::default();
         Ok(())
     }
 
@@ -253,19 +285,10 @@ impl Renderer {
 
     fn exchange(&mut self, stream: &mut StateStream) -> Result<()> {
         self.plan.exchange(stream)?;
-        stream.buffer(&self.film)?;
-        stream.buffer(&self.layers)?;
-        self.state.exchange(stream, !self.plan.is_between_passes())?;
-        stream.long(&mut self.rays)?;
-        stream.long(&mut self.nonfinite)?;
-        let mut count = self.bad_samples.len() as u32;
-        stream.numbers([&mut count])?;
-        stream.check(count <= BAD_SAMPLES, || format!("{count} bad samples: valid are 0 to {BAD_SAMPLES}"))?;
-        self.bad_samples.resize(count as usize, BadSample { x: 0, y: 0, sample: 0 });
-        for bad in &mut self.bad_samples {
-            stream.numbers([&mut bad.x, &mut bad.y, &mut bad.sample])?;
-        }
-        stream.reals([&mut self.seconds.render, &mut self.seconds.device])
+        let (any, counted) = (&mut self.blocks.any, &mut self.counted);
+        let planes: Vec<&dyn Store> = self.blocks.planes.iter().map(|plane| plane as &dyn Store).collect();
+        sums::exchange(stream, [&self.film, &self.layers], &planes, any, counted)?;
+        self.state.exchange(stream, !self.plan.is_between_passes())
     }
 
     /// What the technique has to say of the rendering besides the image.
@@ -314,12 +337,13 @@ impl Renderer {
 
     /// What the parts took so far.
     pub fn seconds(&self) -> Seconds {
-        self.seconds
+        let [render, device] = self.counted.seconds;
+        Seconds { render, device, ..self.seconds }
     }
 
     /// Rays traced so far.
     pub fn rays(&self) -> u64 {
-        self.rays
+        self.counted.rays
     }
 
     /// How much of the module of each pass is left for the scene, in their order.
@@ -337,31 +361,31 @@ impl Renderer {
         &self.settings
     }
 
+    /// What must be known to read its film from a checkpoint.
+    pub fn shape(&self) -> FilmShape {
+        FilmShape::of(&self.settings, self.scene().splat_unit)
+    }
+
+    /// What the film is multiplied by; nothing where it is right as it is.
+    pub fn film_scale(&self) -> Result<Option<FilmScale>> {
+        self.state.film_scale()
+    }
+
     /// The film as it stands.
     pub fn film(&self) -> Result<Film> {
-        let (width, height) = (self.settings.width, self.settings.height);
-        let pixels = width as usize * height as usize;
-        let sums: Vec<FilmPixel> = self.film.read(pixels)?;
-        let layer_count = self.settings.layers() as usize;
-        let layers: Vec<[f32; 3]> = self.layers.read(2 * pixels * layer_count)?;
-        let has_halves = self.settings.sampler == Sampler::Sobol;
-        let mut film = Film::from_device(width, height, self.plan.counts(), &sums, &layers, layer_count, has_halves);
-        if self.settings.technique.row.correlated != Correlated::Nothing {
-            film.pixels_are_correlated();
-        }
-        if let Some(strategies) = self.settings.strategies {
-            let mut layers = std::mem::take(&mut film.lengths).into_iter();
-            for strategy in strategies.all() {
-                let mut next = || layers.next().unwrap_or_default();
-                film.strategies.push(StrategyLayers { strategy, unweighted: next(), weighted: next() });
-            }
-        }
+        let pixels = self.settings.pixels() as usize;
+        let sums = FilmSums {
+            pixels: self.film.read(pixels)?,
+            layers: self.layers.read(2 * pixels * self.settings.layers() as usize)?,
+            blocks: self.blocks.read(pixels)?,
+        };
+        let mut film = sums.film(&self.shape(), self.plan.counts());
         if let Some(scale) = self.state.film_scale()? {
             film.brightness = Some(scale.brightness);
             film.scale(scale.factor);
         }
-        film.nonfinite = self.nonfinite;
-        film.bad_samples.clone_from(&self.bad_samples);
+        film.nonfinite = self.counted.nonfinite;
+        film.bad_samples.clone_from(&self.counted.bad_samples);
         Ok(film)
     }
 
@@ -384,7 +408,7 @@ impl Renderer {
             slot_count: frame.slots,
             first_sample: frame.first_sample,
             sample_count: frame.samples,
-            seed: self.settings.seed,
+            seed: self.settings.random_seed(),
             word: self.state.word(frame.first_sample),
         }
     }
@@ -412,7 +436,8 @@ impl Renderer {
             };
             runs.push(Run { pass: index, first, count });
         }
-        self.submit(&work, self.constants(frame), &runs)
+        let ends_block = self.plan.ends_block(frame);
+        self.submit(&work, self.constants(frame), &runs, ends_block.then_some(all))
     }
 
     /// Runs one job of the technique's state, if the sample of that index needs any before it.
@@ -427,13 +452,12 @@ impl Renderer {
         };
         let started = Instant::now();
         let constants = FrameConstants { sample_count: job.samples, word: job.word, ..self.constants(Frame::NOTHING) };
-        let device = self.submit(&job.about, constants, &[Run { pass, first: job.first, count: job.count }])?;
+        let device = self.submit(&job.about, constants, &[Run { pass, first: job.first, count: job.count }], None)?;
         self.state.job_done(&job, started.elapsed())?;
         // What the state makes of a job on the host is part of the rendering as well.
-        let wall = started.elapsed().as_secs_f64();
-        spent::rendered(wall, 0);
-        self.seconds.render += wall;
-        self.seconds.device += device.as_secs_f64();
+        let wall = started.elapsed();
+        spent::rendered(wall.as_secs_f64(), 0);
+        self.took(wall, device);
         Ok(true)
     }
 
@@ -448,22 +472,27 @@ impl Renderer {
             self.state = nothing(); // before there are two
             self.state = make(context)?;
         }
-        (self.rays, self.nonfinite) = (0, 0);
-        self.bad_samples.clear();
+        self.counted = Counted::default();
         self.seconds.build += started.elapsed().as_secs_f64();
-        (self.seconds.render, self.seconds.device) = (0.0, 0.0);
         Ok(())
     }
 
-    /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted.
-    fn submit(&mut self, work: &str, constants: FrameConstants, runs: &[Run]) -> Result<Duration> {
+    /// Dispatches passes one after the other in one submission, which `work` describes, and takes in what was counted. `block`: the slots over
+    /// which a block of samples ends after that.
+    fn submit(&mut self, work: &str, constants: FrameConstants, runs: &[Run], block: Option<u32>) -> Result<Duration> {
         let name = format!("{} on {}", self.settings.technique.row.name, self.settings.backend.name());
         let (passes, tally, room) = (&self.passes, &self.tally, self.plan.most_slots());
+        let of_run = |run: &Run| (&passes[run.pass].1, run.first, run.count, constants);
+        let of_plane =
+            |(word, plane): (u32, &Buffer)| FrameConstants { technique: address(plane.address()), word, ..constants };
+        let planes = (0..).zip(&self.blocks.planes).map(of_plane);
+        let block = block.zip(self.blocks.kernel());
+        let of_block =
+            block.into_iter().flat_map(|(slots, kernel)| planes.clone().map(move |own| (kernel, 0, slots, own)));
         let took = self.gpu.run(&name, work, |commands| {
             commands.clear(tally);
-            for Run { pass, first, count } in runs {
-                let kernel = &passes[*pass].1;
-                let mut start = *first;
+            for (kernel, first, count, constants) in runs.iter().map(of_run).chain(of_block) {
+                let mut start = first;
                 loop {
                     let part = (first + count - start).min(room);
                     let constants = FrameConstants { first_slot: start, slot_count: part, ..constants };
@@ -485,9 +514,8 @@ impl Renderer {
     fn take_in_tally(&mut self) -> Result<()> {
         let counted: Vec<u32> = self.tally.read((1 + 2 * BAD_SAMPLES + RAY_COUNTERS) as usize)?;
         let (bad, rays) = counted.split_at((1 + 2 * BAD_SAMPLES) as usize);
-        self.rays += rays.iter().map(|count| u64::from(*count)).sum::<u64>();
-        self.nonfinite += u64::from(bad[0]);
-        let room = (BAD_SAMPLES as usize).saturating_sub(self.bad_samples.len());
+        self.counted.rays += rays.iter().map(|count| u64::from(*count)).sum::<u64>();
+        self.counted.nonfinite += u64::from(bad[0]);
         let listed = bad[1..].chunks_exact(2).take((bad[0] as usize).min(BAD_SAMPLES as usize));
         let mut located: Vec<BadSample> = listed
             .map(|entry| BadSample {
@@ -497,7 +525,7 @@ impl Renderer {
             })
             .collect();
         located.sort_unstable();
-        self.bad_samples.extend(located.into_iter().take(room));
+        self.counted.locate(located);
         Ok(())
     }
 }

@@ -2,7 +2,8 @@
 
 use super::bidirectional::{LONGEST, Strategies};
 use super::sampler::Sampler;
-use super::table::TECHNIQUES;
+use super::shard::Shard;
+use super::table::{Correlated, TECHNIQUES};
 use super::technique::Technique;
 use crate::bvh::CHUNK;
 use crate::error::{Error, Result, one_of};
@@ -47,6 +48,8 @@ pub struct Settings {
     pub sampler: Sampler,
     /// Seed of the random numbers.
     pub seed: u32,
+    /// The share of the samples that is rendered, where it is not all of them.
+    pub shard: Option<Shard>,
     /// Layers by path length; 0 for none. The last one also takes every longer path.
     pub lengths: u32,
     /// Layers by strategy, whose longest paths must be the longest there are.
@@ -82,6 +85,7 @@ impl Settings {
             camera: None,
             max_depth: scene.technique.max_depth.unwrap_or(None),
             seed: 0,
+            shard: None,
             lengths: 0,
             strategies: None,
             aovs: None,
@@ -110,6 +114,16 @@ impl Settings {
     /// Layers of the film besides the image itself.
     pub fn layers(&self) -> u32 {
         self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)
+    }
+
+    /// The seed of the numbers that are drawn. Chains do not follow from the index of a sample: those of each shard have a seed of their own.
+    pub(crate) fn random_seed(&self) -> u32 {
+        match self.shard {
+            Some(shard) if self.technique.row.correlated == Correlated::Samples => {
+                self.seed.wrapping_add((shard.number - 1).wrapping_mul(0x9e37_79b9))
+            }
+            _ => self.seed,
+        }
     }
 
     /// Pixels of the image.

@@ -2,14 +2,108 @@
 //!
 //! One function of each part says what belongs to its state, and serves both directions: what is written is what is read.
 
+use std::cell::RefCell;
 use std::io::{Read, Write};
 use std::path::Path;
+
+use bytemuck::Pod;
 
 use crate::error::{Error, Result};
 use crate::gpu::Buffer;
 
 /// Bytes of a buffer that are in the host's memory at once.
 const CHUNK: u64 = 16 << 20;
+
+/// Bytes that a stream is filled from, or fills: on the device, or on the host.
+pub(crate) trait Store {
+    /// What it is called in messages.
+    fn name(&self) -> &str;
+    /// How many bytes there are.
+    fn size(&self) -> u64;
+    /// Reads them from `start` on.
+    fn read_at(&self, start: u64, out: &mut [u8]) -> Result<()>;
+    /// Writes them from `start` on.
+    fn upload_at(&self, start: u64, data: &[u8]) -> Result<()>;
+    /// Sets all of them to 0.
+    fn clear(&self) -> Result<()>;
+}
+
+impl Store for Buffer {
+    fn name(&self) -> &str {
+        Self::name(self)
+    }
+
+    fn size(&self) -> u64 {
+        Self::size(self)
+    }
+
+    fn read_at(&self, start: u64, out: &mut [u8]) -> Result<()> {
+        Self::read_at(self, start, out)
+    }
+
+    fn upload_at(&self, start: u64, data: &[u8]) -> Result<()> {
+        Self::upload_at(self, start, data)
+    }
+
+    fn clear(&self) -> Result<()> {
+        Self::clear(self)
+    }
+}
+
+/// Bytes on the host. What is read comes in order, so that memory is taken only for what is there.
+pub(crate) struct HostStore {
+    size: u64,
+    bytes: RefCell<Vec<u8>>,
+}
+
+impl HostStore {
+    /// So many, each 0.
+    pub fn new(size: u64) -> Self {
+        Self { size, bytes: RefCell::default() }
+    }
+
+    /// The bytes of some values.
+    pub fn of<T: Pod>(values: &[T]) -> Self {
+        let bytes = bytemuck::cast_slice(values).to_vec();
+        Self { size: bytes.len() as u64, bytes: RefCell::new(bytes) }
+    }
+
+    /// The bytes as values.
+    pub fn values<T: Pod>(&self) -> Vec<T> {
+        bytemuck::pod_collect_to_vec(&self.bytes.borrow())
+    }
+}
+
+impl Store for HostStore {
+    fn name(&self) -> &str {
+        "film"
+    }
+
+    fn size(&self) -> u64 {
+        self.size
+    }
+
+    fn read_at(&self, start: u64, out: &mut [u8]) -> Result<()> {
+        let bytes = self.bytes.borrow();
+        let rest = bytes.get(start as usize..).unwrap_or_default();
+        let (there, beyond) = out.split_at_mut(rest.len().min(out.len()));
+        there.copy_from_slice(&rest[..there.len()]);
+        beyond.fill(0);
+        Ok(())
+    }
+
+    fn upload_at(&self, start: u64, data: &[u8]) -> Result<()> {
+        let mut bytes = self.bytes.borrow_mut();
+        bytes.truncate(start as usize);
+        bytes.extend_from_slice(data);
+        Ok(())
+    }
+
+    fn clear(&self) -> Result<()> {
+        self.bytes.borrow_mut().clear();
+        Ok(())
+    }
+}
 
 /// A stream that a state is saved to, or restored from.
 pub struct StateStream<'a> {
@@ -74,8 +168,8 @@ impl<'a> StateStream<'a> {
         Ok(())
     }
 
-    /// The contents of a buffer on the device, after its size, which must be the same when it is read.
-    pub(crate) fn buffer(&mut self, buffer: &Buffer) -> Result<()> {
+    /// The contents of a buffer, after its size, which must be the same when it is read.
+    pub(crate) fn buffer(&mut self, buffer: &dyn Store) -> Result<()> {
         let mut size = buffer.size();
         self.long(&mut size)?;
         self.check(size == buffer.size(), || {

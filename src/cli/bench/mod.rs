@@ -2,7 +2,7 @@
 
 mod columns;
 mod entry;
-mod table;
+pub(super) mod table;
 
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -70,6 +70,10 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000), allow_negative_numbers = true)]
     seeds: u32,
 
+    /// The seed of the first of them: benches with other seeds are put together by `lumbre merge`
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1_000_000_000), allow_negative_numbers = true)]
+    first_seed: u32,
+
     /// Image that stands for the truth, one per scene; without it one is made. One that `lumbre reference` made is taken as it says; any
     /// other is checked by the best technique there is. An EXR layer `variance` says how noisy it is
     #[arg(long, value_name = "FILE")]
@@ -131,6 +135,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
         seeds: args.seeds,
         seconds: if args.spp.is_none() { Some(args.time.unwrap_or(5.0)) } else { None },
         spp: args.spp,
+        first_seed: args.first_seed,
     };
     // Whatever is wrong is said before anything is rendered.
     let techniques = args.integrator.iter().map(|name| Technique::parse(name)).collect::<Result<Vec<_>>>()?;
@@ -417,7 +422,7 @@ fn obtain_reference(
 }
 
 /// Writes results.json, and the page and the table that are made of it.
-fn write_results(folder: &Path, results: &Results) -> Result<()> {
+pub(super) fn write_results(folder: &Path, results: &Results) -> Result<()> {
     write_json(&folder.join("results.json"), results)?;
     lumbre::report::write(folder, results)
 }

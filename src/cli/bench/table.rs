@@ -6,7 +6,7 @@ use lumbre::statistics::Interval;
 
 use super::super::output::print;
 
-pub(super) fn print_results(results: &Results) {
+pub(in super::super) fn print_results(results: &Results) {
     print(&format!("device     {} ({})", results.device.name, results.device.driver));
     print(&format!("intervals  {:.0} %, over {} seeds", 100.0 * results.confidence, results.seeds));
     for scene in &results.scenes {

@@ -16,7 +16,7 @@ pub(super) const ROOM: u32 = 1 << 16;
 
 /// One of the brightest samples.
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct Firefly {
+pub(in super::super) struct Firefly {
     x: u32,
     y: u32,
     sample: u32,

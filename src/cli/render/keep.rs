@@ -9,6 +9,7 @@ use lumbre::gpu::Gpu;
 use lumbre::render::{Renderer, Settings};
 use lumbre::scene::Scene;
 
+use super::about::About;
 use crate::cli::output::say;
 
 /// Seconds between two checkpoints where the command line does not say.
@@ -20,7 +21,7 @@ pub(super) struct CheckpointWriter {
     files: Option<Checkpoints>,
     interval: f64,
     identity: Identity,
-    expected_samples: u64,
+    about: serde_json::Value,
     found: Option<Found>,
     last: Instant,
     /// Samples per pixel of the last checkpoint; nothing before the first.
@@ -66,11 +67,21 @@ impl CheckpointWriter {
             files,
             interval,
             identity,
-            expected_samples: settings.expected_samples,
+            about: serde_json::Value::Null,
             kept: found.as_ref().map(|found| found.header.spp),
             found,
             last: Instant::now(),
         })
+    }
+
+    /// Takes over what checkpoints say of the rendering and its settings.
+    pub fn about(&mut self, about: &About) {
+        self.about = serde_json::to_value(about).unwrap_or_default();
+    }
+
+    /// What the rendering is.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     /// Gives the renderer the state that was found. Returns the seconds that were spent on it, and where an error is looked at next.
@@ -101,8 +112,8 @@ impl CheckpointWriter {
     /// Writes a checkpoint.
     pub fn save(&mut self, renderer: &mut Renderer, spent: f64, next_look: Option<u32>) -> Result<()> {
         let Some(files) = &mut self.files else { return Ok(()) };
-        let (identity, expected_samples) = (self.identity.clone(), self.expected_samples);
-        let header = Header { identity, expected_samples, spp: renderer.spp(), spent, next_look };
+        let header = Header::of(renderer, self.identity.clone(), self.about.clone())?;
+        let header = Header { spent, next_look, ..header };
         self.last = Instant::now();
         files.save(&header, renderer)?;
         self.kept = Some(header.spp);

@@ -1,7 +1,7 @@
 //! What a rendering came to: the JSON object, the EXR header, the summary.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -9,32 +9,19 @@ use serde::Serialize;
 use lumbre::error::Result;
 use lumbre::gpu::Gpu;
 use lumbre::image::{NamedLayer, Picture};
+use lumbre::render::Renderer;
 use lumbre::render::film::{BadSample, ErrorEstimate, Film};
-use lumbre::render::{KernelSize, Renderer, Technique};
-use lumbre::scene::{Needs, Scene};
 
 use super::super::output::print;
+use super::about::SettingsOf;
 use super::fireflies::{Firefly, print_fireflies};
 
 /// The JSON object of `lumbre render`; its keys are a contract.
 #[derive(Serialize)]
-pub(super) struct Report {
-    schema: &'static str,
-    scene: String,
-    integrator: String,
-    backend: &'static str,
-    device: String,
-    driver: String,
-    width: u32,
-    height: u32,
+pub(in super::super) struct Report {
+    #[serde(flatten)]
+    about: SettingsOf,
     spp: u64,
-    seed: u32,
-    max_depth: i64,
-    rr_depth: u32,
-    filter: String,
-    sampler: &'static str,
-    energy_compensation: bool,
-    mip_maps: bool,
     rays: u64,
     seconds: Seconds,
     mrays_per_s: f64,
@@ -42,7 +29,6 @@ pub(super) struct Report {
     nonfinite: u64,
     nonfinite_at: Vec<BadSample>,
     mean: [f64; 3],
-    kernels: Vec<KernelSize>,
     estimated_relmse: Option<f64>,
     /// Why the error is at least that, rather than that; nothing where the estimate is to be trusted.
     estimate_doubt: Option<String>,
@@ -79,70 +65,75 @@ struct Seconds {
     total: f64,
 }
 
+/// What is known of a rendering besides its settings and its film.
+pub(in super::super) struct Figures {
+    /// Rays traced.
+    pub rays: u64,
+    /// Seconds of all frames by the host's clock, and by the device's.
+    pub frames: [f64; 2],
+    /// Light that the technique finds with rare, bright samples alone.
+    pub rare: Option<String>,
+}
+
 impl Report {
     pub fn new(
-        scene: &Scene,
+        (about, figures): (SettingsOf, Figures),
         gpu: &Gpu,
         renderer: &Renderer,
         film: &Film,
         load: f64,
         started: Instant,
     ) -> Result<Self> {
-        let settings = renderer.settings();
         let took = renderer.seconds();
-        let samples: u64 = film.counts.iter().sum();
-        let render = took.render.max(1e-9);
-        let estimate = film.error_estimate();
         let report = renderer.report()?;
-        let needs = Needs::of(scene);
+        let own = Self::of_film(about, film, &figures);
         Ok(Self {
-            schema: "lumbre-render-1",
-            scene: scene.source.display().to_string(),
-            integrator: settings.technique.describe(),
-            backend: settings.backend.name(),
-            device: gpu.survey().name.clone(),
-            driver: gpu.survey().driver.clone(),
-            width: settings.width,
-            height: settings.height,
-            spp: film.spp(),
-            seed: settings.seed,
-            max_depth: settings.max_depth.map_or(-1, i64::from),
-            rr_depth: settings.rr_depth,
-            filter: format!("{:?}", settings.filter),
-            sampler: settings.sampler.name(),
-            energy_compensation: needs.energy_compensation,
-            mip_maps: needs.mip_maps,
-            rays: renderer.rays(),
             seconds: Seconds {
                 load,
                 build: took.build,
                 compile: took.compile,
-                render: took.render,
-                device: took.device,
                 total: started.elapsed().as_secs_f64(),
+                ..own.seconds
             },
-            mrays_per_s: renderer.rays() as f64 / render / 1e6,
-            samples_per_s: samples as f64 / render,
-            nonfinite: film.nonfinite,
-            nonfinite_at: film.bad_samples.clone(),
-            mean: film.average(),
-            kernels: renderer.kernel_sizes(),
-            estimated_relmse: estimate.map(|estimate| estimate.relmse),
-            estimate_doubt: estimate.and_then(|estimate| doubt(&estimate, &settings.technique, scene)),
-            brightness: film
-                .brightness
-                .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
-            denoiser: None,
             technique: report.iter().map(|report| (report.key, report.figures.clone())).collect(),
             technique_summary: report.map_or(Vec::new(), |report| report.summary),
-            fireflies: Vec::new(),
             peak_device_bytes: gpu.peak_bytes(),
+            ..own
         })
     }
 
     /// The report with the brightest samples.
     pub fn with_fireflies(self, fireflies: Vec<Firefly>) -> Self {
         Self { fireflies, ..self }
+    }
+
+    /// What a film and the settings say, whoever rendered it.
+    pub fn of_film(about: SettingsOf, film: &Film, figures: &Figures) -> Self {
+        let samples: u64 = film.counts.iter().sum();
+        let [frames, device] = figures.frames;
+        let estimate = film.error_estimate();
+        let name = about.integrator.split(':').next().unwrap_or_default();
+        Self {
+            spp: film.spp(),
+            rays: figures.rays,
+            seconds: Seconds { load: 0.0, build: 0.0, compile: 0.0, render: frames, device, total: frames },
+            mrays_per_s: figures.rays as f64 / frames.max(1e-9) / 1e6,
+            samples_per_s: samples as f64 / frames.max(1e-9),
+            nonfinite: film.nonfinite,
+            nonfinite_at: film.bad_samples.clone(),
+            mean: film.average(),
+            estimated_relmse: estimate.map(|estimate| estimate.relmse),
+            estimate_doubt: estimate.and_then(|estimate| doubt(&estimate, name, figures.rare.as_deref())),
+            brightness: film
+                .brightness
+                .map(|found| Brightness { mean: found.mean, standard_error: found.variance.sqrt() }),
+            denoiser: None,
+            technique: BTreeMap::new(),
+            technique_summary: Vec::new(),
+            fireflies: Vec::new(),
+            peak_device_bytes: 0,
+            about,
+        }
     }
 
     /// Every setting and figure, for the EXR header.
@@ -157,20 +148,20 @@ impl Report {
 }
 
 /// Why an error is at least as large as it is estimated to be; nothing where the estimate is to be trusted.
-fn doubt(estimate: &ErrorEstimate, technique: &Technique, scene: &Scene) -> Option<String> {
-    if let Some(light) = technique.finds_rarely(scene) {
-        return Some(format!("{} finds {light} only with rare, bright samples", technique.row.name));
+fn doubt(estimate: &ErrorEstimate, technique: &str, rare: Option<&str>) -> Option<String> {
+    if let Some(light) = rare {
+        return Some(format!("{technique} finds {light} only with rare, bright samples"));
     }
     let share = 100.0 * estimate.worst_share;
     estimate.is_at_least().then(|| format!("a thousandth of the pixels makes {share:.0} % of its square"))
 }
 
 /// The image with its layers by length or strategy, and those that `--aov` asks for.
-pub(super) fn picture(film: &Film, report: &Report, mut further: Vec<NamedLayer>) -> Picture {
+pub(in super::super) fn picture(film: &Film, report: &Report, mut further: Vec<NamedLayer>) -> Picture {
     let mut layers = Vec::new();
     let count = film.lengths.len();
     for layer in 0..count {
-        let open_ended = layer + 1 == count && report.max_depth != count as i64;
+        let open_ended = layer + 1 == count && report.about.max_depth != count as i64;
         let name = format!("length{:02}{}", layer + 1, if open_ended { "plus" } else { "" });
         layers.push(NamedLayer::colours(name, film.length(layer)));
     }
@@ -183,17 +174,17 @@ pub(super) fn picture(film: &Film, report: &Report, mut further: Vec<NamedLayer>
     Picture { image: film.mean(), layers, header: report.header() }
 }
 
-pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: bool) {
+pub(in super::super) fn print_summary(report: &Report, written: &[&Path], interrupted: bool) {
     if interrupted {
         print("interrupted: what was rendered is kept");
     }
-    let depth = if report.max_depth < 0 { String::from("no limit") } else { report.max_depth.to_string() };
-    print(&format!("scene      {}, {}x{}", report.scene, report.width, report.height));
+    let depth = if report.about.max_depth < 0 { String::from("no limit") } else { report.about.max_depth.to_string() };
+    print(&format!("scene      {}, {}x{}", report.about.scene, report.about.width, report.about.height));
     print(&format!(
         "technique  {} on {}, {} spp, depth {depth}, seed {}",
-        report.integrator, report.backend, report.spp, report.seed
+        report.about.integrator, report.about.backend, report.spp, report.about.seed
     ));
-    print(&format!("device     {} ({})", report.device, report.driver));
+    print(&format!("device     {} ({})", report.about.device, report.about.driver));
     let s = &report.seconds;
     print(&format!(
         "seconds    {:.3} (load {:.3}, build {:.3}, compile {:.3}, render {:.3})",
@@ -227,6 +218,6 @@ pub(super) fn print_summary(report: &Report, outputs: &[PathBuf], interrupted: b
     if report.spp == 0 {
         print("warning    the time was too short for one sample per pixel: part of the image is black");
     }
-    let written: Vec<_> = outputs.iter().map(|path| path.display().to_string()).collect();
+    let written: Vec<_> = written.iter().map(|path| path.display().to_string()).collect();
     print(&format!("wrote      {}", written.join(", ")));
 }

@@ -326,7 +326,7 @@ impl Chains {
             offset: 0.0,
             size,
         };
-        chains.restart(settings.seed)?;
+        chains.restart(settings.random_seed())?;
         Ok(chains)
     }
 

@@ -1,0 +1,125 @@
+//! `lumbre merge`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use lumbre::bench;
+use lumbre::error::{Error, Result};
+use lumbre::files::check_writable;
+use lumbre::image::{Format, format_of, write_picture};
+use lumbre::merge::{Kind, images, kind, merge};
+
+use super::bench::table::print_results;
+use super::bench::write_results;
+use super::output::{print, say};
+use super::render::about::About;
+use super::render::report::{Figures, Report, picture, print_summary};
+
+#[derive(Args)]
+pub(super) struct MergeArgs {
+    /// Shards of one rendering, all of them in any order: checkpoints (the bits of one run) or EXR images (right to rounding), of `lumbre render
+    /// --shard`. Or folders of `lumbre bench` with seeds of the same variants
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+
+    /// Output: .exr or .png, or, of checkpoints, any other name for the checkpoint of one run, which `lumbre render --resume` goes on from; may
+    /// repeat. A folder where folders are merged
+    #[arg(short = 'o', long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+
+    /// Print nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub(super) fn run(args: &MergeArgs) -> Result<()> {
+    let kind = kind(&args.inputs)?;
+    if let Some(path) = args.output.iter().find(|path| args.inputs.contains(path)) {
+        return Err(Error::Usage(format!("{} cannot be merged into itself: choose another output", path.display())));
+    }
+    match kind {
+        Kind::Checkpoints => checkpoints(args),
+        Kind::Images => exr_images(args),
+        Kind::Benches => benches(args),
+    }
+}
+
+/// Whether an output is an image by its name; all others are checkpoints.
+fn is_image(path: &Path) -> bool {
+    format_of(path).is_ok()
+}
+
+fn note(args: &MergeArgs, text: &str) {
+    if !args.quiet {
+        say!("note: {text}");
+    }
+}
+
+fn checkpoints(args: &MergeArgs) -> Result<()> {
+    args.output.iter().try_for_each(|path| check_writable(path))?;
+    let mut merged = merge(&args.inputs)?;
+    merged.notes.iter().for_each(|text| note(args, text));
+    let about: About = serde_json::from_value(merged.header.about.clone()).map_err(|error| {
+        Error::read(&args.inputs[0], format!("what it says of the settings cannot be read: {error}"))
+    })?;
+    let about = About { settings: about.settings.whole(), ..about };
+    merged.header.about = serde_json::to_value(&about).unwrap_or_default();
+    let figures = Figures { rays: merged.counted.rays, frames: merged.counted.seconds, rare: about.rare.clone() };
+    let report = Report::of_film(about.settings, &merged.film, &figures);
+    for path in &args.output {
+        if is_image(path) {
+            write_picture(path, &picture(&merged.film, &report, Vec::new()))?;
+        } else {
+            merged.save(path)?;
+        }
+    }
+    if !args.quiet {
+        print(&format!("merged     {} shards", args.inputs.len()));
+        print_summary(&report, &args.output.iter().map(PathBuf::as_path).collect::<Vec<_>>(), false);
+    }
+    Ok(())
+}
+
+fn benches(args: &MergeArgs) -> Result<()> {
+    let [output] = args.output.as_slice() else {
+        return Err(Error::Usage(String::from("folders are merged into one: give one output")));
+    };
+    let results = bench::merge::merge(&args.inputs, output)?;
+    write_results(output, &results)?;
+    if !args.quiet {
+        print_results(&results);
+        print(&format!("wrote {}", output.join("index.html").display()));
+    }
+    Ok(())
+}
+
+fn exr_images(args: &MergeArgs) -> Result<()> {
+    for path in &args.output {
+        if !is_image(path) {
+            return Err(Error::Usage(format!(
+                "{}: images hold means, of which no checkpoint can be made; valid outputs are .exr and .png",
+                path.display()
+            )));
+        }
+        check_writable(path)?;
+    }
+    let (picture, devices_differ) = images::merge(&args.inputs)?;
+    note(args, "images hold rounded means: their mean is right to rounding; checkpoints have the bits of one run");
+    if devices_differ {
+        note(args, "shards are of different devices");
+    }
+    for path in &args.output {
+        write_picture(path, &picture)?;
+    }
+    if !args.quiet {
+        let layers = picture.layers.len();
+        let kept = if args.output.iter().any(|path| matches!(format_of(path), Ok(Format::Exr))) {
+            format!(", {layers} further layers")
+        } else {
+            String::new()
+        };
+        print(&format!("merged     {} images{kept}", args.inputs.len()));
+    }
+    Ok(())
+}
