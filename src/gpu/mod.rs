@@ -12,9 +12,12 @@ mod fault;
 mod instance;
 mod mesa;
 mod pipeline;
+mod presenting;
 mod queue;
 mod submission;
 mod survey;
+#[cfg(feature = "view")]
+pub mod window;
 
 pub use buffer::Buffer;
 pub use commands::Commands;

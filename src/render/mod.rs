@@ -5,6 +5,7 @@
 //! is answered at once.
 
 pub mod aovs;
+mod camera_uniforms;
 mod device_scene;
 pub mod film;
 mod frames;
@@ -90,6 +91,8 @@ pub struct Renderer {
     rays: u64,
     nonfinite: u64,
     bad_samples: Vec<BadSample>,
+    /// One of the `CAMERA_*` constants.
+    camera_kind: u32,
 }
 
 impl Renderer {
@@ -151,6 +154,7 @@ impl Renderer {
             rays: 0,
             nonfinite: 0,
             bad_samples: Vec::new(),
+            camera_kind: settings.image_plane(scene)?.kind,
         };
         while_compiling(watch, || {
             if let Some(aovs) = &renderer.aovs {
@@ -197,6 +201,19 @@ impl Renderer {
         (self.rays, self.nonfinite) = (0, 0);
         self.bad_samples.clear();
         Ok(())
+    }
+
+    /// Looks through a camera that stands or looks elsewhere and begins again: that of `scene`, which is the scene that it was made for but
+    /// for its cameras. Kernels know the camera's kind (pinhole, lens, parallel rays), so that must be the same.
+    pub fn look(&mut self, scene: &Scene) -> Result<()> {
+        let plane = self.settings.image_plane(scene)?;
+        if plane.kind != self.camera_kind {
+            return Err(Error::Usage(String::from(
+                "a camera of another kind (pinhole, lens, parallel rays) than the one that the kernels were made for",
+            )));
+        }
+        camera_uniforms::change(&self.scene().uniforms, scene, &plane)?;
+        self.restart(self.settings.seed)
     }
 
     /// Says where the samples stand among those of several renderings, for techniques whose blur shrinks with them.
