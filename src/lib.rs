@@ -54,5 +54,7 @@ pub mod spirv;
 pub mod statistics;
 pub mod techniques;
 pub mod verify;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use error::{Error, Result};

@@ -15,6 +15,7 @@ mod rays;
 mod reference;
 mod render;
 mod verify;
+mod view;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -34,6 +35,8 @@ struct Cli {
 enum Command {
     /// Render a scene
     Render(render::RenderArgs),
+    /// Look at a scene in a window while it is rendered
+    View(view::ViewArgs),
     /// Measure speed against error: techniques, backends and options, with intervals
     Bench(bench::BenchArgs),
     /// Make the page of the lecture: every comparison, measured here
@@ -62,6 +65,7 @@ pub fn main() -> u8 {
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Lecture(args) => lecture::run(&args),
         Command::Compare(args) => compare::run(&args),

@@ -14,16 +14,18 @@ use std::time::Instant;
 
 use clap::Args;
 
-use lumbre::error::{Error, Result, one_of};
+use lumbre::error::{Error, Result};
 use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
 use lumbre::scene::{Camera, Scene};
 use lumbre::spirv::Arithmetic;
-use lumbre::techniques::{AovSettings, Correlated, LONGEST, SAMPLERS, Sampler, Strategies};
+use lumbre::techniques::{AovSettings, Correlated, LONGEST, Sampler, Strategies};
 
-use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
+use super::args::{
+    Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_sampler, parse_size,
+};
 use super::interrupt::listen_for_interrupts;
 use super::output::{check_json, print_warnings, say, write_json};
 use job::Job;
@@ -149,10 +151,6 @@ pub(super) struct RenderArgs {
     /// Print nothing but errors
     #[arg(short, long)]
     quiet: bool,
-}
-
-fn parse_sampler(text: &str) -> Result<Sampler, String> {
-    Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
 
 /// Pixel samples up to which a CPU driver is not to optimise kernels: that takes longer than what it saves.

@@ -122,7 +122,8 @@ impl Painter {
         let failed = || gpu.failed("make the pipeline that draws the window");
         let vertex = module(VERTEX_SHADER).map_err(failed())?;
         let fragment = module(FRAGMENT_SHADER);
-        let stage = |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
+        let stage =
+            |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
         let stages = [
             stage(vk::ShaderStageFlags::VERTEX, vertex),
             stage(vk::ShaderStageFlags::FRAGMENT, fragment.unwrap_or_default()),
@@ -146,7 +147,8 @@ impl Painter {
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(vk::CullModeFlags::NONE)
             .line_width(1.0);
-        let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let samples =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
         // Colours are multiplied by their alpha already.
         let blends = [vk::PipelineColorBlendAttachmentState::default()
             .blend_enable(true)
@@ -233,11 +235,8 @@ impl Painter {
         fill(&self.gpu, &mut self.vertices, "corners of triangles", vk::BufferUsageFlags::VERTEX_BUFFER, &vertices)?;
         fill(&self.gpu, &mut self.indices, "triangles", vk::BufferUsageFlags::INDEX_BUFFER, &indices)?;
         let this = &*self;
-        let [undefined, drawn, shown] = [
-            vk::ImageLayout::UNDEFINED,
-            vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
-            vk::ImageLayout::PRESENT_SRC_KHR,
-        ];
+        let [undefined, drawn, shown] =
+            [vk::ImageLayout::UNDEFINED, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, vk::ImageLayout::PRESENT_SRC_KHR];
         self.gpu.run_raw("the window", &format!("{}x{}", size[0], size[1]), |recording| {
             change_layout(recording.device, recording.raw, image, [undefined, drawn]);
             this.record(recording, view, size, meshes);
@@ -254,8 +253,7 @@ impl Painter {
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE)];
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
-        let info =
-            vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
+        let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
         let viewport =
             [vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() }];
         let points = [width as f32, height as f32];

@@ -131,8 +131,12 @@ impl Swapchain {
             Err(code) => return Err(self.gpu.failed("acquire an image of the window")(code)),
         };
         // SAFETY: the fence is the one above, which acquiring signals.
-        unsafe { device.wait_for_fences(&[self.acquired], true, u64::MAX).and_then(|()| device.reset_fences(&[self.acquired])) }
-            .map_err(self.gpu.failed("wait for an image of the window"))?;
+        unsafe {
+            device
+                .wait_for_fences(&[self.acquired], true, u64::MAX)
+                .and_then(|()| device.reset_fences(&[self.acquired]))
+        }
+        .map_err(self.gpu.failed("wait for an image of the window"))?;
         self.fits &= !is_suboptimal;
         Ok(Turn::Done(index))
     }

@@ -151,8 +151,13 @@ impl Texture {
         }
         let bytes: &[u8] = bytemuck::cast_slice(change.pixels);
         let usage = vk::BufferUsageFlags::empty();
-        let mut staging =
-            Buffer::with_usage(&self.gpu, "staging for a picture", bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
+        let mut staging = Buffer::with_usage(
+            &self.gpu,
+            "staging for a picture",
+            bytes.len() as u64,
+            usage,
+            MemoryLocation::CpuToGpu,
+        )?;
         staging.mapped()?[..bytes.len()].copy_from_slice(bytes);
         let region = [vk::BufferImageCopy::default()
             .image_subresource(vk::ImageSubresourceLayers {
