@@ -24,6 +24,8 @@ pub use commands::Commands;
 pub use device::{Gpu, Limits};
 
 pub use instance::Instance;
+#[cfg(feature = "view")]
+pub use mesa::draw_triangles;
 pub use mesa::{compile_quickly, with_the_users_environment};
 pub use pipeline::{Bindings, Kernel, Pipeline, module, module_names, modules_fingerprint};
 pub use queue::Work;

@@ -21,8 +21,8 @@ use super::wanted::{ChooseBackend, Wanted};
 use super::worker::Worker;
 use super::{display::Display, panel};
 use crate::error::{Error, Result};
-use crate::gpu::Instance;
 use crate::gpu::window::{NativeWindow, Presenter, Shown, instance};
+use crate::gpu::{Instance, draw_triangles};
 
 /// The window's size at the start, in points: the panel, and a picture beside it.
 const SIZE: [f64; 2] = [1180.0, 800.0];
@@ -55,12 +55,19 @@ struct Wake;
 /// shows pictures on it.
 pub fn open(start: Start) -> Result<Vec<String>> {
     let began = Instant::now();
-    let no_display = |error: &dyn std::fmt::Display| {
-        Error::Device(format!("no window can be opened: {error}. `lumbre render` needs no display"))
+    let no_display = |error: winit::error::EventLoopError| {
+        let why = match &error {
+            winit::error::EventLoopError::Os(_) if !has_display() => {
+                String::from("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)")
+            }
+            other => other.to_string(),
+        };
+        Error::Device(format!("no window can be opened: {why}; `lumbre render` needs none"))
     };
+    draw_triangles();
     // Before anything else reads the environment on another thread.
     let of_worker = Instance::new(start.validate)?;
-    let events = EventLoop::<Wake>::with_user_event().build().map_err(|error| no_display(&error))?;
+    let events = EventLoop::<Wake>::with_user_event().build().map_err(no_display)?;
     let proxy = events.create_proxy();
     let wake = events.create_proxy();
     let worker = Worker::start(of_worker, start.wanted.clone(), start.choose_backend, move || {
@@ -82,10 +89,17 @@ pub fn open(start: Start) -> Result<Vec<String>> {
         failed: None,
         messages: Vec::new(),
     };
-    let ran = events.run_app(&mut viewer).map_err(|error| no_display(&error));
+    let ran = events.run_app(&mut viewer).map_err(no_display);
     viewer.close();
     ran?;
     viewer.failed.map_or(Ok(viewer.messages), Err)
+}
+
+/// Whether the environment names a display.
+fn has_display() -> bool {
+    ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
 fn context(proxy: &EventLoopProxy<Wake>) -> egui::Context {
