@@ -60,6 +60,8 @@ mod spirv;
 mod strategies;
 mod traversal;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod vpl;
 mod whitted;
 mod witness;

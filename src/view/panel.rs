@@ -67,7 +67,7 @@ fn head(ui: &mut Ui, state: &mut State) {
         ui.label(RichText::new(text).color(TROUBLE));
     }
     if state.news.losses > 0 {
-        ui.label(RichText::new(format!("the device was lost {} times", state.news.losses)).color(WARNING));
+        ui.label(RichText::new(format!("losses of the device so far: {}", state.news.losses)).color(WARNING));
     }
     for text in state.news.facts.iter().flat_map(|facts| &facts.warnings) {
         ui.label(RichText::new(text).color(WARNING).small());

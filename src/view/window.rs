@@ -14,7 +14,7 @@ use winit::window::{Window, WindowId};
 
 use super::display::{Scale, srgb_pixels};
 use super::interface;
-use super::news::{Facts, Picture};
+use super::news::{Doing, Facts, Picture};
 use super::screenshot;
 use super::state::State;
 use super::wanted::{ChooseBackend, Wanted};
@@ -150,6 +150,7 @@ struct Told {
     picture_of: Option<(u64, String)>,
     losses: u32,
     trouble: Option<String>,
+    done: Option<(u64, u64)>,
 }
 
 struct Viewer {
@@ -355,7 +356,7 @@ impl Viewer {
         let (news, told, tell) = (&self.state.news, &mut self.told, &self.start.tell);
         if news.losses > told.losses {
             told.losses = news.losses;
-            tell(&format!("the device was lost {} times", news.losses));
+            tell(&format!("losses of the device so far: {}", news.losses));
         }
         if news.trouble != told.trouble {
             told.trouble.clone_from(&news.trouble);
@@ -374,6 +375,12 @@ impl Viewer {
                 picture.spp
             ));
             told.picture_of = Some(of);
+        }
+        let done = Some((picture.scene_number, picture.camera_number)).filter(|_| news.doing == Doing::Resting);
+        if !self.state.wanted.is_paused && done.is_some() && told.done != done {
+            let place = if self.state.wanted.camera.is_none() { "the scene's camera" } else { "elsewhere" };
+            tell(&format!("done: {:.0} spp from {place}", picture.spp));
+            told.done = done;
         }
     }
 

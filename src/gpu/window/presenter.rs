@@ -1,5 +1,6 @@
 //! A device that shows pictures in a window.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use ash::vk;
@@ -28,7 +29,7 @@ pub struct Presenter {
     // In the order in which they go.
     painter: Painter,
     swapchain: Option<Swapchain>,
-    surface: Arc<Surface>,
+    surface: Rc<Surface>,
     format: vk::SurfaceFormatKHR,
     gpu: Gpu,
 }
@@ -37,7 +38,7 @@ impl Presenter {
     /// Opens the device that `selector` names, if it can show pictures in this window, else the first one that can. The instance is one for
     /// the window's display ([`super::instance`]).
     pub fn new(instance: &Instance, selector: Option<&str>, window: &Arc<dyn NativeWindow>) -> Result<Self> {
-        let surface = Arc::new(Surface::new(instance, window)?);
+        let surface = Rc::new(Surface::new(instance, window)?);
         let presenting = Presenting::Surface(&surface.loader, surface.raw);
         let mut devices: Vec<Survey> = instance.devices()?.into_iter().filter(Survey::usable).collect();
         devices.sort_by_key(|survey| !selector.is_some_and(|selector| survey.answers_to(selector)));

@@ -1,6 +1,6 @@
 //! The images of a window that take turns being shown.
 
-use std::sync::Arc;
+use std::rc::Rc;
 
 use ash::{khr, vk};
 
@@ -19,7 +19,7 @@ pub(super) enum Turn<T> {
 /// The swapchain of a surface, for a window of one size.
 pub(super) struct Swapchain {
     gpu: Gpu,
-    surface: Arc<Surface>,
+    surface: Rc<Surface>,
     loader: khr::swapchain::Device,
     raw: vk::SwapchainKHR,
     /// Its images, with a view of each.
@@ -45,7 +45,7 @@ impl Swapchain {
     /// For a window that has `size` pixels now, in the place of an older one. Nothing where the window has no pixels: it is minimised.
     pub fn new(
         gpu: &Gpu,
-        surface: &Arc<Surface>,
+        surface: &Rc<Surface>,
         format: vk::SurfaceFormatKHR,
         size: [u32; 2],
         old: Option<Self>,

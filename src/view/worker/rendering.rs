@@ -52,6 +52,8 @@ pub(super) fn settings(
             settings.max_depth = Some(longest);
         }
     }
+    // Whoever looks waits for the first picture: what makes kernels faster and takes longer to compile is left out.
+    settings.expected_samples = 0;
     settings.aovs = choice.has_aovs.then_some(AovSettings { through_specular: false });
     Ok(settings)
 }
