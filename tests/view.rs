@@ -10,6 +10,7 @@ use lumbre::image::{read_attribute, read_image};
 
 use crate::common::program::{fails, files, lumbre, render, works};
 use crate::common::scene_path;
+use crate::common::xdnd::drop_file;
 
 /// How long anything may take on a machine that does something else as well.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -183,6 +184,26 @@ fn lost_devices_are_opened_again() {
         viewer.said.extend(viewer.says.try_iter());
     }
     display.user("key --delay 50 Escape");
+    viewer.ends();
+}
+
+/// A file that is no scene changes nothing; one that is takes the place of the other.
+#[test]
+fn dropped_scenes_are_opened() {
+    let Some(display) = Display::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut viewer = Viewer::start(&display, folder.path(), "--size 24x16 -n 4", &[]);
+    viewer.waits_for("done: 4 spp");
+    let window: u32 = window(&display).parse().unwrap();
+    let broken = folder.path().join("broken.obj");
+    std::fs::write(&broken, "f 1 2 3\n").unwrap();
+    drop_file(&display.name, window, &broken);
+    viewer.waits_for(&format!("opening {}", broken.display()));
+    viewer.waits_for(&broken.display().to_string());
+    let sound = scene_path("veach_mis.xml");
+    drop_file(&display.name, window, &sound);
+    viewer.waits_for(&format!("picture of {}", sound.display()));
+    display.user("key --delay 50 q");
     viewer.ends();
 }
 

@@ -66,6 +66,8 @@ pub struct Picture {
     pub layer: Layer,
     /// The scene that it is of.
     pub scene_number: u64,
+    /// The technique and the backend that made it.
+    pub made_by: String,
     /// The camera that it is seen from.
     pub camera_number: u64,
     /// Samples of the average pixel.

@@ -112,7 +112,6 @@ impl State {
         own.scene_number += 1;
         own.choice.camera = None;
         own.choice.technique = None;
-        own.choice.size = None;
         own.reference = None;
         self.stay();
     }

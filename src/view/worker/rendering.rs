@@ -20,6 +20,8 @@ const LEAST_INTERVAL: Duration = Duration::from_millis(33);
 const INTERVAL_SHARE: u32 = 4;
 /// Time after which a picture is shown some of whose pixels have no sample yet.
 const PATIENCE: Duration = Duration::from_millis(500);
+/// Time after which the camera moves on where there is no such picture.
+const LONG_PATIENCE: Duration = Duration::from_secs(2);
 /// Time over which the samples per second are averaged.
 const RATE_TIME: f64 = 1.0;
 
@@ -135,7 +137,13 @@ impl Rendering {
 
     /// Whether there was something to see of where it stands: else nothing would be seen of a way along which pictures take their time.
     pub fn may_look(&self) -> bool {
-        self.shown.is_some() || self.began.elapsed() > PATIENCE
+        let patience = if self.shows_parts() { PATIENCE } else { LONG_PATIENCE };
+        self.shown.is_some() || self.began.elapsed() > patience
+    }
+
+    /// Whether there is something to see before every pixel has a sample: not where light comes to pixels from all over the image.
+    fn shows_parts(&self) -> bool {
+        self.renderer.settings().technique.row.is_unidirectional()
     }
 
     /// Looks through the camera that is wanted now. Where that is of another kind, it does not: the kernels are to be made anew.
@@ -172,7 +180,7 @@ impl Rendering {
     pub fn picture(&mut self, wanted: &Wanted, reference: Option<&Image>, rests: bool) -> Result<Option<Picture>> {
         let samples = self.renderer.progress();
         let is_due = match &self.shown {
-            None => self.renderer.has_image() || self.began.elapsed() > PATIENCE,
+            None => self.renderer.has_image() || self.shows_parts() && self.began.elapsed() > PATIENCE,
             Some(shown) if shown.layer != wanted.layer => true,
             Some(shown) if shown.samples == samples => false,
             Some(shown) => rests || shown.at.elapsed() > LEAST_INTERVAL.max(shown.took * INTERVAL_SHARE),
@@ -196,10 +204,12 @@ impl Rendering {
             errors.iter().filter(|error| error.is_finite()).sum::<f64>() / errors.len().max(1) as f64
         });
         let pixels = f64::from(film.width) * f64::from(film.height);
+        let settings = self.renderer.settings();
         let picture = Picture {
             image,
             layer: wanted.layer,
             scene_number: wanted.scene_number,
+            made_by: format!("{} on {}", settings.technique.describe(), settings.backend.name()),
             camera_number: self.camera_number,
             spp: samples,
             seconds: self.renderer.seconds().render,
