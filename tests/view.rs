@@ -7,10 +7,12 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use lumbre::image::{read_attribute, read_image};
+use lumbre::layout::backend::Backend;
+use lumbre::render::Renderer;
 
 use crate::common::program::{fails, files, lumbre, render, works};
-use crate::common::scene_path;
 use crate::common::xdnd::drop_file;
+use crate::common::{canon, scene_path, settings, with_gpu};
 
 /// How long anything may take on a machine that does something else as well.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -205,6 +207,35 @@ fn dropped_scenes_are_opened() {
     viewer.waits_for(&format!("picture of {}", sound.display()));
     display.user("key --delay 50 q");
     viewer.ends();
+}
+
+/// What a moved camera sees has the bits of what one sees that was there from the start, also where techniques keep something between samples.
+#[test]
+fn moved_cameras_see_what_others_see_there() {
+    let scene = canon("cornell.xml", &[]);
+    let elsewhere = {
+        let mut scene = scene.clone();
+        scene.cameras[0].to_world.translation += glam::DVec3::new(0.3, 0.2, -0.1);
+        scene
+    };
+    with_gpu(|gpu| {
+        for technique in ["path", "photon", "mlt"] {
+            let mut settings = settings(&scene, technique, Backend::Bvh);
+            (settings.width, settings.height) = (24, 16);
+            let image = |renderer: &mut Renderer| {
+                while renderer.advance(4).unwrap() {}
+                renderer.film().unwrap().mean()
+            };
+            let mut moved = Renderer::new(gpu, &scene, &settings).unwrap();
+            let before = image(&mut moved);
+            moved.look(&elsewhere).unwrap();
+            let after = image(&mut moved);
+            let there = image(&mut Renderer::new(gpu, &elsewhere, &settings).unwrap());
+            assert!(after == there && after != before, "{technique}");
+            moved.look(&scene).unwrap();
+            assert!(image(&mut moved) == before, "{technique}, back again");
+        }
+    });
 }
 
 #[test]

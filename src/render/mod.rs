@@ -355,8 +355,13 @@ impl Renderer {
     /// The AOVs, from as many samples as each pixel has by now, 1 at least and [`aovs::MOST_SAMPLES`] at most; nothing where the settings ask
     /// for none.
     pub fn aovs(&self) -> Result<Option<AovFilm>> {
+        self.aovs_of(self.spp())
+    }
+
+    /// The same from so many samples, for whoever does not want to wait.
+    pub fn aovs_of(&self, samples: u32) -> Result<Option<AovFilm>> {
         let Some(pass) = &self.aovs else { return Ok(None) };
-        pass.render(&self.gpu, &self.settings, self.spp(), |frame| self.constants(frame)).map(Some)
+        pass.render(&self.gpu, &self.settings, samples, |frame| self.constants(frame)).map(Some)
     }
 
     /// What all passes of a frame are given.

@@ -8,6 +8,9 @@ use crate::render::Renderer;
 use crate::render::aovs::{AovRow, find};
 use crate::render::film::Film;
 
+/// The most samples of AOVs, which are made anew for each picture.
+const AOV_SAMPLES: u32 = 16;
+
 /// What is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layer {
@@ -70,7 +73,7 @@ impl Layer {
                 let sums = found.map(|own| if *weighted { &own.weighted } else { &own.unweighted });
                 sums.map_or_else(|| film.mean(), |sums| film.image_of(sums))
             }
-            Self::Aov(name) => match (renderer.aovs()?, find(name)) {
+            Self::Aov(name) => match (renderer.aovs_of(renderer.spp().min(AOV_SAMPLES))?, find(name)) {
                 (Some(aovs), Some(row)) => {
                     let values = aovs.values(row);
                     Image { width: film.width, height: film.height, pixels: spread(row, values) }

@@ -236,10 +236,6 @@ impl State {
             let place = (at - self.place.min) / scale;
             let is_inside = self.place.contains(at);
             self.inspection = is_inside.then(|| inspect([place.x as u32, place.y as u32], picture, &facts)).flatten();
-            if let Some(found) = &self.inspection {
-                let ([x, y], [r, g, b]) = (found.pixel, found.value);
-                self.notice = Some(format!("pixel {x},{y}: {r} {g} {b}"));
-            }
         }
     }
 

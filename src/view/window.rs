@@ -13,6 +13,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy}
 use winit::window::{Window, WindowId};
 
 use super::display::{Scale, srgb_pixels};
+use super::inspect::Inspection;
 use super::interface;
 use super::news::{Doing, Facts, Picture};
 use super::screenshot;
@@ -60,7 +61,8 @@ pub fn open(start: Start) -> Result<Vec<String>> {
             winit::error::EventLoopError::Os(_) if !has_display() => {
                 String::from("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)")
             }
-            other => other.to_string(),
+            // Before its last part are places in the library's code.
+            other => other.to_string().rsplit(": ").next().unwrap_or_default().to_owned(),
         };
         Error::Device(format!("no window can be opened: {why}; `lumbre render` needs none"))
     };
@@ -151,6 +153,9 @@ struct Told {
     losses: u32,
     trouble: Option<String>,
     done: Option<(u64, u64)>,
+    notice: Option<String>,
+    pixel: Option<Inspection>,
+    title: String,
 }
 
 struct Viewer {
@@ -181,7 +186,10 @@ impl ApplicationHandler<Wake> for Viewer {
         }
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, _: Wake) {
+    fn user_event(&mut self, events: &ActiveEventLoop, _: Wake) {
+        if let Some(error) = self.worker.as_ref().and_then(Worker::take_fatal) {
+            return self.fail(events, error);
+        }
         self.request_frame();
     }
 
@@ -262,12 +270,8 @@ impl Viewer {
     }
 
     fn drop_file(&mut self, path: PathBuf) {
-        (self.start.tell)(&format!("opening {}", path.display()));
         self.state.open(path);
         self.send();
-        if let Some(there) = &self.there {
-            there.window.set_title(&self.title());
-        }
     }
 
     /// Tells the worker what is wanted, where that has changed.
@@ -285,10 +289,14 @@ impl Viewer {
             self.state.hear(worker.news());
         }
         self.tell_news();
+        let title = self.title();
         let Some(there) = &mut self.there else { return Ok(()) };
+        if title != self.told.title {
+            there.window.set_title(&title);
+            self.told.title = title;
+        }
         let input = there.input.take_egui_input(&there.window);
         let state = &mut self.state;
-        let notice = state.notice.clone();
         let output = self.context.run(input, |context| {
             state.keys(context);
             egui::SidePanel::right("panel")
@@ -301,9 +309,15 @@ impl Viewer {
         if std::mem::take(&mut self.state.shoots) {
             self.shoot();
         }
-        if self.state.notice != notice {
-            self.next_frame = Some(Instant::now()); // it is in the panel from the next frame on
+        if self.state.notice.is_some() && self.state.notice != self.told.notice {
+            self.told.notice.clone_from(&self.state.notice);
             self.state.notice.iter().for_each(|notice| (self.start.tell)(notice));
+            self.next_frame = Some(Instant::now()); // it is in the panel from the next frame on
+        }
+        if let Some(found) = self.state.inspection.clone().filter(|found| self.told.pixel.as_ref() != Some(found)) {
+            let ([x, y], [r, g, b]) = (found.pixel, found.value);
+            (self.start.tell)(&format!("pixel {x},{y}: {r} {g} {b}"));
+            self.told.pixel = Some(found);
         }
         self.send();
         self.show(output)

@@ -55,6 +55,11 @@ impl Worker {
         self.shared.news()
     }
 
+    /// What went wrong before there was any picture; once.
+    pub fn take_fatal(&self) -> Option<Error> {
+        self.shared.take_fatal()
+    }
+
     /// Ends it, and waits until it has; the messages of the validation layer.
     pub fn end(mut self) -> Vec<String> {
         self.shared.quit();
@@ -125,7 +130,7 @@ impl Hands {
                 }
                 Err(error) => {
                     there.rendering = None;
-                    self.shared.fail(&error);
+                    self.shared.fail(error);
                     failed = true;
                     true
                 }

@@ -18,7 +18,7 @@ use crate::gpu::{Gpu, Instance, Survey};
 pub enum Shown {
     /// It is shown.
     Yes,
-    /// The window has another size by now: it is to be drawn again.
+    /// The window has another size by now, or no room for a frame yet: it is to be drawn again.
     Again,
     /// The window has no pixels: it is minimised.
     Minimised,
@@ -89,16 +89,22 @@ impl Presenter {
             self.swapchain = Swapchain::new(&self.gpu, &self.surface, self.format, size, old)?;
         }
         let Some(swapchain) = &mut self.swapchain else { return Ok(Shown::Minimised) };
-        let Turn::Done(index) = swapchain.acquire()? else {
-            self.swapchain = None;
-            return Ok(Shown::Again);
+        let index = match swapchain.acquire()? {
+            Turn::Done(index) => index,
+            Turn::NotYet => return Ok(Shown::Again),
+            Turn::OutOfDate => {
+                self.swapchain = None;
+                return Ok(Shown::Again);
+            }
         };
         let (image, view) = swapchain.images[index as usize];
         self.painter.draw(image, view, swapchain.size, meshes)?;
-        if let Turn::OutOfDate = swapchain.present(index)? {
-            self.swapchain = None;
-            return Ok(Shown::Again);
+        match swapchain.present(index)? {
+            Turn::Done(()) => Ok(Shown::Yes),
+            Turn::NotYet | Turn::OutOfDate => {
+                self.swapchain = None;
+                Ok(Shown::Again)
+            }
         }
-        Ok(Shown::Yes)
     }
 }

@@ -14,7 +14,12 @@ pub(super) enum Turn<T> {
     Done(T),
     /// The swapchain fits the window no more, and is to be made anew.
     OutOfDate,
+    /// No image is free yet: the window may be hidden.
+    NotYet,
 }
+
+/// Nanoseconds to wait for a free image.
+const WAIT: u64 = 100_000_000;
 
 /// The swapchain of a surface, for a window of one size.
 pub(super) struct Swapchain {
@@ -119,14 +124,14 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Waits for an image to draw in; its index.
+    /// Waits a while for an image to draw in; its index.
     pub fn acquire(&mut self) -> Result<Turn<u32>> {
         let device = &self.gpu.shared.raw;
         // SAFETY: the fence is not signalled, as each use of it ends in a reset, and only this thread has the swapchain.
-        let acquired =
-            unsafe { self.loader.acquire_next_image(self.raw, u64::MAX, vk::Semaphore::null(), self.acquired) };
+        let acquired = unsafe { self.loader.acquire_next_image(self.raw, WAIT, vk::Semaphore::null(), self.acquired) };
         let (index, is_suboptimal) = match acquired {
             Ok(found) => found,
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(Turn::NotYet),
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Turn::OutOfDate),
             Err(code) => return Err(self.gpu.failed("acquire an image of the window")(code)),
         };

@@ -12,6 +12,8 @@ struct Inside {
     is_new: bool,
     quits: bool,
     news: News,
+    /// What went wrong before there was any picture.
+    fatal: Option<Error>,
 }
 
 /// Behind a lock that is held for moments only.
@@ -24,7 +26,7 @@ pub(super) struct Shared {
 impl Shared {
     pub fn new(wanted: Wanted, wake: Box<dyn Fn() + Send + Sync>) -> Self {
         let news = News { doing: Doing::Loading, trouble: None, facts: None, picture: None, losses: 0 };
-        let inside = Mutex::new(Inside { wanted, is_new: true, quits: false, news });
+        let inside = Mutex::new(Inside { wanted, is_new: true, quits: false, news, fatal: None });
         Self { inside, changed: Condvar::new(), wake }
     }
 
@@ -78,12 +80,24 @@ impl Shared {
         }
     }
 
-    pub fn fail(&self, error: &Error) {
+    /// Says what cannot be had. Before there is any picture that is the end of it.
+    pub fn fail(&self, error: Error) {
         let message = error.to_string();
+        {
+            let mut inside = self.lock();
+            if inside.news.picture.is_none() {
+                inside.fatal = Some(error);
+            }
+        }
         self.tell(|news| {
             news.doing = Doing::Failed(message.clone());
             news.trouble = Some(message);
         });
+    }
+
+    /// What went wrong before there was any picture; once.
+    pub fn take_fatal(&self) -> Option<Error> {
+        self.lock().fatal.take()
     }
 
     pub fn show(&self, picture: Picture) {
