@@ -1,5 +1,8 @@
 //! The window: its events, its frames, and what becomes of it when the device or its pixels go away.
 
+mod picture_texture;
+mod telling;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +15,8 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
-use super::display::{Scale, srgb_pixels};
-use super::inspect::Inspection;
 use super::interface;
-use super::news::{Doing, Facts, Picture};
+use super::news::{Facts, Picture};
 use super::screenshot;
 use super::state::State;
 use super::wanted::{ChooseBackend, Wanted};
@@ -24,6 +25,8 @@ use super::{display::Display, panel};
 use crate::error::{Error, Result};
 use crate::gpu::window::{NativeWindow, Presenter, Shown, instance};
 use crate::gpu::{Instance, draw_triangles};
+use picture_texture::{MOST_SIDE, PictureTexture};
+use telling::Telling;
 
 /// The window's size at the start, in points: the panel, and a picture beside it.
 const SIZE: [f64; 2] = [1180.0, 800.0];
@@ -31,9 +34,6 @@ const SIZE: [f64; 2] = [1180.0, 800.0];
 const LISTEN: Duration = Duration::from_millis(200);
 /// How often in a row the window's device may be lost, without a frame in between.
 const MOST_LOSSES: u32 = 5;
-/// The largest side of a picture on the device: every Vulkan device has textures of that size.
-const MOST_SIDE: u32 = 4096;
-
 /// What the viewer begins with.
 pub struct Start {
     /// What is wanted first.
@@ -56,6 +56,7 @@ struct Wake;
 /// shows pictures on it.
 pub fn open(start: Start) -> Result<Vec<String>> {
     let began = Instant::now();
+    let Start { wanted, choose_backend, validate, interrupted, tell } = start;
     let no_display = |error: winit::error::EventLoopError| {
         let why = match &error {
             winit::error::EventLoopError::Os(_) if !has_display() => {
@@ -68,25 +69,26 @@ pub fn open(start: Start) -> Result<Vec<String>> {
     };
     draw_triangles();
     // Before anything else reads the environment on another thread.
-    let of_worker = Instance::new(start.validate)?;
+    let of_worker = Instance::new(validate)?;
     let events = EventLoop::<Wake>::with_user_event().build().map_err(no_display)?;
     let proxy = events.create_proxy();
     let wake = events.create_proxy();
-    let worker = Worker::start(of_worker, start.wanted.clone(), start.choose_backend, move || {
+    let worker = Worker::start(of_worker, wanted.clone(), choose_backend, move || {
         let _ = wake.send_event(Wake); // the window may be closed already
     })?;
     let mut viewer = Viewer {
-        state: State::new(start.wanted.clone(), worker.news()),
+        state: State::new(wanted, worker.news()),
         context: context(&proxy),
         proxy,
-        start,
-        began,
+        validate,
+        interrupted,
         worker: Some(worker),
         there: None,
-        on_device: None,
+        texture: PictureTexture::default(),
         losses: 0,
         next_frame: None,
-        told: Told::default(),
+        telling: Telling::new(tell, began),
+        shown_title: String::new(),
         frames: None,
         failed: None,
         messages: Vec::new(),
@@ -138,39 +140,20 @@ struct There {
     window: Arc<Window>,
 }
 
-/// What the texture of the picture was made of.
-#[derive(Clone)]
-struct OnDevice {
-    picture: Arc<Picture>,
-    display: Display,
-    is_smooth: bool,
-}
-
-/// What has been told already.
-#[derive(Default)]
-struct Told {
-    picture_of: Option<(u64, String)>,
-    losses: u32,
-    trouble: Option<String>,
-    done: Option<(u64, u64)>,
-    notice: Option<String>,
-    pixel: Option<Inspection>,
-    title: String,
-}
-
 struct Viewer {
-    start: Start,
-    began: Instant,
+    validate: bool,
+    interrupted: Arc<AtomicBool>,
     state: State,
     context: egui::Context,
     proxy: EventLoopProxy<Wake>,
     worker: Option<Worker>,
     there: Option<There>,
-    on_device: Option<OnDevice>,
+    texture: PictureTexture,
     losses: u32,
     /// When egui wants to be drawn again.
     next_frame: Option<Instant>,
-    told: Told,
+    telling: Telling,
+    shown_title: String,
     /// How long the first frame took, when the device compiles what draws, and the longest of all others.
     frames: Option<[Duration; 2]>,
     failed: Option<Error>,
@@ -222,7 +205,7 @@ impl ApplicationHandler<Wake> for Viewer {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        if self.start.interrupted.load(Ordering::Relaxed) {
+        if self.interrupted.load(Ordering::Relaxed) {
             events.exit();
         }
         let now = Instant::now();
@@ -243,11 +226,11 @@ impl Viewer {
             .with_inner_size(LogicalSize::new(SIZE[0], SIZE[1]))
             .with_min_inner_size(LogicalSize::new(320.0, 240.0));
         let window = Arc::new(events.create_window(attributes).map_err(failed)?);
-        let instance = instance(self.start.validate, &window)?;
+        let instance = instance(self.validate, &window)?;
         let presenter = self.present(&instance, &window)?;
         let input = input(&self.context, &window);
         let size = window.inner_size();
-        (self.start.tell)(&format!("window {}x{} on {}", size.width, size.height, presenter.survey().name));
+        self.telling.tell(&format!("window {}x{} on {}", size.width, size.height, presenter.survey().name));
         window.request_redraw();
         self.there = Some(There { presenter, input, instance, window });
         Ok(())
@@ -255,7 +238,7 @@ impl Viewer {
 
     fn present(&self, instance: &Instance, window: &Arc<Window>) -> Result<Presenter> {
         let native: Arc<dyn NativeWindow> = window.clone();
-        Presenter::new(instance, self.start.wanted.device.as_deref(), &native)
+        Presenter::new(instance, self.state.wanted.device.as_deref(), &native)
     }
 
     fn title(&self) -> String {
@@ -288,12 +271,12 @@ impl Viewer {
         if let Some(worker) = &self.worker {
             self.state.hear(worker.news());
         }
-        self.tell_news();
+        self.telling.tell_news(&self.state);
         let title = self.title();
         let Some(there) = &mut self.there else { return Ok(()) };
-        if title != self.told.title {
+        if title != self.shown_title {
             there.window.set_title(&title);
-            self.told.title = title;
+            self.shown_title = title;
         }
         let input = there.input.take_egui_input(&there.window);
         let state = &mut self.state;
@@ -309,15 +292,8 @@ impl Viewer {
         if std::mem::take(&mut self.state.shoots) {
             self.shoot();
         }
-        if self.state.notice.is_some() && self.state.notice != self.told.notice {
-            self.told.notice.clone_from(&self.state.notice);
-            self.state.notice.iter().for_each(|notice| (self.start.tell)(notice));
+        if self.telling.tell_actions(&self.state) {
             self.next_frame = Some(Instant::now()); // it is in the panel from the next frame on
-        }
-        if let Some(found) = self.state.inspection.clone().filter(|found| self.told.pixel.as_ref() != Some(found)) {
-            let ([x, y], [r, g, b]) = (found.pixel, found.value);
-            (self.start.tell)(&format!("pixel {x},{y}: {r} {g} {b}"));
-            self.told.pixel = Some(found);
         }
         self.send();
         self.show(output)
@@ -337,18 +313,7 @@ impl Viewer {
         if let Some(picture) = &self.state.news.picture {
             // Pixels that are shown larger stay squares.
             let is_smooth = width < picture.image.width as f32 * 1.5;
-            let wanted = OnDevice { picture: picture.clone(), display: self.state.display, is_smooth };
-            let is_there = self.on_device.as_ref().is_some_and(|own| {
-                Arc::ptr_eq(&own.picture, &wanted.picture)
-                    && own.display == wanted.display
-                    && own.is_smooth == is_smooth
-            });
-            if !is_there {
-                let scale = picture.layer.scale();
-                let (size, pixels) = pixels(picture, &wanted.display, scale);
-                interface::set_picture(&mut there.presenter, size, &pixels, is_smooth)?;
-                self.on_device = Some(wanted);
-            }
+            self.texture.bring(&mut there.presenter, picture, self.state.display, is_smooth)?;
         }
         let meshes = interface::meshes(&self.context, &output);
         let size = there.window.inner_size();
@@ -370,51 +335,18 @@ impl Viewer {
         });
     }
 
-    /// Says what has happened since the last time.
-    fn tell_news(&mut self) {
-        let (news, told, tell) = (&self.state.news, &mut self.told, &self.start.tell);
-        if news.losses > told.losses {
-            told.losses = news.losses;
-            tell(&format!("losses of the device so far: {}", news.losses));
-        }
-        if news.trouble != told.trouble {
-            told.trouble.clone_from(&news.trouble);
-            news.trouble.iter().for_each(|trouble| tell(trouble));
-        }
-        let (Some(picture), Some(facts)) = (&news.picture, &news.facts) else { return };
-        let of = (picture.scene_number, picture.made_by.clone());
-        if facts.scene_number == picture.scene_number && told.picture_of.as_ref() != Some(&of) {
-            tell(&format!(
-                "picture of {} after {:.2} s: {}x{} by {}, {:.1} spp",
-                facts.scene.display(),
-                self.began.elapsed().as_secs_f64(),
-                picture.image.width,
-                picture.image.height,
-                of.1,
-                picture.spp
-            ));
-            told.picture_of = Some(of);
-        }
-        let done = Some((picture.scene_number, picture.camera_number)).filter(|_| news.doing == Doing::Resting);
-        if !self.state.wanted.is_paused && done.is_some() && told.done != done {
-            let place = if self.state.wanted.camera.is_none() { "the scene's camera" } else { "elsewhere" };
-            tell(&format!("done: {:.0} spp from {place}", picture.spp));
-            told.done = done;
-        }
-    }
-
     /// Opens the window's device again, where it was lost.
     fn recover(&mut self, events: &ActiveEventLoop, error: Error) {
         self.losses += 1;
         let Some(there) = self.there.take().filter(|_| self.losses <= MOST_LOSSES) else {
             return self.fail(events, error);
         };
-        (self.start.tell)(&format!("{error}; the window's device is opened again"));
+        self.telling.tell(&format!("{error}; the window's device is opened again"));
         self.messages.extend(there.presenter.take_validation_messages());
         let There { presenter, instance, window, .. } = there;
         drop(presenter); // a window has one surface at a time
         // All textures went with the device: a new egui asks for its own again.
-        self.on_device = None;
+        self.texture.forget();
         self.context = context(&self.proxy);
         match self.present(&instance, &window) {
             Ok(presenter) => {
@@ -441,27 +373,12 @@ impl Viewer {
             self.messages.extend(worker.end());
         }
         let [first, longest] = self.frames.unwrap_or_default().map(|took| took.as_secs_f64() * 1e3);
-        (self.start.tell)(&format!(
-            "closed; the first frame took {first:.0} ms, the longest other one {longest:.0} ms"
-        ));
+        self.telling
+            .tell(&format!("closed; the first frame took {first:.0} ms, the longest other one {longest:.0} ms"));
     }
 }
 
 fn shoot(picture: &Picture, display: &Display, facts: &Facts) -> Result<String> {
     let [png, exr] = screenshot::write(picture, display, facts)?;
     Ok(format!("wrote {}, {}", png.display(), exr.display()))
-}
-
-/// The pixels of the picture as the screen is to show them: all of them, or of a picture that is larger than textures are every second, third, ...
-fn pixels(picture: &Picture, display: &Display, scale: Scale) -> ([u32; 2], Vec<[u8; 4]>) {
-    let image = display.tone(&picture.image, scale);
-    let all = srgb_pixels(&image);
-    let step = image.width.max(image.height).div_ceil(MOST_SIDE).max(1);
-    if step == 1 {
-        return ([image.width, image.height], all);
-    }
-    let some = |side: u32| (0..side).step_by(step as usize);
-    let at = |x: u32, y: u32| all[y as usize * image.width as usize + x as usize];
-    let pixels = some(image.height).flat_map(|y| some(image.width).map(move |x| at(x, y))).collect();
-    ([image.width.div_ceil(step), image.height.div_ceil(step)], pixels)
 }
