@@ -93,6 +93,23 @@ fn make(compiler: &Compiler, variant: &Variant, sources: &Sources, modules: &Pat
     Ok(Made { named, words: stripped.len(), deflated })
 }
 
+/// Compiles what draws the window of `lumbre view`: a vertex and a fragment shader, which no scene specialises.
+fn make_interface(out: &Path) -> Result<(), String> {
+    let compiler = shaderc::Compiler::new().map_err(|error| error.to_string())?;
+    let mut options = shaderc::CompileOptions::new().map_err(|error| error.to_string())?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
+    options.set_warnings_as_errors();
+    for (stage, kind) in [("vert", shaderc::ShaderKind::Vertex), ("frag", shaderc::ShaderKind::Fragment)] {
+        let source = format!("shaders/interface/interface.{stage}");
+        let text = fs::read_to_string(&source).map_err(|error| format!("cannot read {source}: {error}"))?;
+        let module = compiler
+            .compile_into_spirv(&text, kind, &source, "main", Some(&options))
+            .map_err(|error| error.to_string())?;
+        write_if_changed(&out.join(format!("interface.{stage}.spv")), module.as_binary_u8())?;
+    }
+    Ok(())
+}
+
 fn write_if_changed(path: &Path, text: &[u8]) -> Result<(), String> {
     if fs::read(path).is_ok_and(|old| old == text) {
         return Ok(());
@@ -127,6 +144,10 @@ fn run() -> Result<(), String> {
                 println!("cargo:rerun-if-changed={file}");
             }
         }
+    }
+
+    if std::env::var_os("CARGO_FEATURE_VIEW").is_some() {
+        make_interface(&out)?;
     }
 
     // Compiling takes a tenth of a second each: every core takes the next one until none is left.

@@ -61,6 +61,8 @@ pub mod statistics;
 pub mod techniques;
 pub mod trace;
 pub mod verify;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use error::{Error, Result};
 #[cfg(feature = "hot-reload")]

@@ -67,6 +67,8 @@ mod tour;
 mod trace;
 mod traversal;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 mod vpl;
 mod whitted;
 mod witness;

@@ -8,6 +8,7 @@ use lumbre::error::{Error, Result, one_of};
 use lumbre::gpu::{DeviceKind, Gpu, Instance};
 use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::scene::{LightSelection, LoadOptions, Scene, SceneFormat};
+use lumbre::techniques::{SAMPLERS, Sampler};
 
 use super::output::say;
 
@@ -136,6 +137,10 @@ pub(super) fn parse_depth(text: &str) -> Result<Depth, String> {
         Ok(depth @ 0..=0xffff_fffe) => Ok(Depth(u32::try_from(depth).ok())),
         _ => Err(String::from("it must be 0 or more, or -1 for no limit")),
     }
+}
+
+pub(super) fn parse_sampler(text: &str) -> Result<Sampler, String> {
+    Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {

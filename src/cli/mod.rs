@@ -21,6 +21,7 @@ mod render;
 mod settings;
 mod trace;
 mod verify;
+mod view;
 
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -40,6 +41,8 @@ struct Cli {
 enum Command {
     /// Render a scene
     Render(render::RenderArgs),
+    /// Look at a scene in a window while it is rendered
+    View(view::ViewArgs),
     /// Tell what happens to the path of one sample of a pixel: vertices, densities, weights
     Trace(trace::TraceArgs),
     /// Measure speed against error: techniques, backends and options, with intervals
@@ -81,6 +84,7 @@ pub fn main() -> u8 {
     };
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Lecture(args) => lecture::run(&args),

@@ -2,13 +2,13 @@
 
 use clap::Args;
 
-use lumbre::error::{Result, one_of};
+use lumbre::error::Result;
 use lumbre::gpu::Gpu;
 use lumbre::render::{Settings, Technique};
 use lumbre::scene::Scene;
-use lumbre::techniques::{SAMPLERS, Sampler};
+use lumbre::techniques::Sampler;
 
-use super::args::{Depth, choose_backend, parse_depth, parse_size};
+use super::args::{Depth, choose_backend, parse_depth, parse_sampler, parse_size};
 
 /// How to render.
 #[derive(Args)]
@@ -50,10 +50,6 @@ pub(super) struct SettingsArgs {
     /// Camera by name or number; the scene's first one by default
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
-}
-
-fn parse_sampler(text: &str) -> Result<Sampler, String> {
-    Sampler::find(text).ok_or_else(|| format!("valid are {}", one_of(SAMPLERS.iter().map(|row| row.name))))
 }
 
 impl SettingsArgs {

@@ -7,7 +7,7 @@ use clap::Args;
 use lumbre::error::Result;
 use lumbre::files::{check_writable, replace_file};
 use lumbre::gpu::compile_quickly;
-use lumbre::trace::{Request, svg, text, trace};
+use lumbre::trace::{MOST_SAMPLES, Request, svg, text, trace, trace_brightest};
 
 use super::args::{DeviceArgs, SceneArgs};
 use super::output::{check_json, print, print_warnings, say, write_json};
@@ -28,6 +28,10 @@ pub(super) struct TraceArgs {
     /// Which of the pixel's samples, from 0
     #[arg(long, value_name = "K", default_value_t = 0)]
     sample: u32,
+
+    /// The brightest of the first N of them instead, of 4096 at most
+    #[arg(long, value_name = "N", conflicts_with = "sample", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    brightest_of: Option<u32>,
 
     /// Write all numbers as JSON ('-' is standard output, instead of the text)
     #[arg(long, value_name = "FILE")]
@@ -57,7 +61,10 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
     let gpu = args.device.open()?;
     let settings = args.settings.settle(&scene, &gpu, asked)?;
     let (x, y) = args.pixel;
-    let traced = trace(&gpu, &scene, &settings, Request { x, y, sample: args.sample })?;
+    let traced = match args.brightest_of {
+        Some(samples) => trace_brightest(&gpu, &scene, &settings, x, y, samples)?,
+        None => trace(&gpu, &scene, &settings, Request { x, y, sample: args.sample })?,
+    };
     if let Some(path) = &args.svg {
         let picture = svg(&scene, &traced, args.settings.camera.as_deref())?;
         replace_file(path, |file| {

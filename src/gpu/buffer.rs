@@ -240,7 +240,8 @@ impl Buffer {
         unsafe { self.gpu.clear(self.raw, self.size) }
     }
 
-    fn mapped(&mut self) -> Result<&mut [u8]> {
+    /// Its bytes, where the host can see them.
+    pub(super) fn mapped(&mut self) -> Result<&mut [u8]> {
         let name = &self.name;
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).ok_or_else(|| Error::Vulkan {
             doing: format!("map '{name}'"),

@@ -12,6 +12,7 @@ use super::fault::Fault;
 use super::instance::{Instance, InstanceShared};
 use super::journal::{BufferRecord, Journal, SubmissionRecord};
 use super::omission::{Step, omits};
+use super::presenting::Presenting;
 use super::submission::Submission;
 use super::survey::{DeviceKind, RAY_QUERY_EXTENSIONS, Survey};
 use crate::error::{Error, Result, one_of};
@@ -95,10 +96,11 @@ impl Gpu {
         if !chosen.usable() {
             return Err(Error::Device(format!("device {} lacks {}", describe(chosen), chosen.missing.join(", "))));
         }
-        Self::create(instance, chosen.clone())
+        Self::create(instance, chosen.clone(), &Presenting::Nothing)
     }
 
-    fn create(instance: &Instance, survey: Survey) -> Result<Self> {
+    /// Makes a device of one that the instance listed, for work that includes `presenting`.
+    pub(super) fn create(instance: &Instance, survey: Survey, presenting: &Presenting) -> Result<Self> {
         let fault = Fault::from_environment()?;
         let failed = |doing: &str| {
             let doing = format!("{doing} on {}", survey.name);
@@ -110,13 +112,15 @@ impl Gpu {
         let (family, properties) = families
             .iter()
             .enumerate()
-            .find(|(_, family)| family.queue_flags.contains(vk::QueueFlags::COMPUTE))
-            .ok_or_else(|| Error::Device(format!("{} has no compute queue", survey.name)))?;
+            .find(|(index, family)| presenting.suits(survey.raw, *index as u32, family.queue_flags))
+            .ok_or_else(|| Error::Device(format!("{} has no {}", survey.name, presenting.queue())))?;
         let family = family as u32;
         let has_timestamps = properties.timestamp_valid_bits > 0;
 
         let ray_query = survey.refusal(Backend::RayQuery).is_none();
-        let extensions: Vec<_> = RAY_QUERY_EXTENSIONS.iter().filter(|_| ray_query).map(|name| name.as_ptr()).collect();
+        let mut extensions: Vec<_> =
+            RAY_QUERY_EXTENSIONS.iter().filter(|_| ray_query).map(|name| name.as_ptr()).collect();
+        extensions.extend(presenting.extensions());
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
         let limits = Limits::read(raw_instance, survey.raw, ray_query, has_timestamps);
@@ -127,7 +131,10 @@ impl Gpu {
             .buffer_device_address(!omits(Step::Features))
             .scalar_block_layout(true)
             .shader_buffer_int64_atomics(limits.int64_atomics);
-        let mut vulkan13 = vk::PhysicalDeviceVulkan13Features::default().synchronization2(true).maintenance4(true);
+        let mut vulkan13 = vk::PhysicalDeviceVulkan13Features::default()
+            .synchronization2(true)
+            .maintenance4(true)
+            .dynamic_rendering(presenting.draws());
         let mut acceleration =
             vk::PhysicalDeviceAccelerationStructureFeaturesKHR::default().acceleration_structure(true);
         let mut query = vk::PhysicalDeviceRayQueryFeaturesKHR::default().ray_query(true);

@@ -1,6 +1,6 @@
 //! The Vulkan instance: the loader, validation, and the list of physical devices.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
@@ -25,8 +25,9 @@ pub(super) struct InstanceShared {
     /// Whether objects can be given names.
     pub(super) has_names: bool,
     debug: Option<Debug>,
-    // Last, so that the library outlives what came from it.
-    _entry: ash::Entry,
+    // Last, so that the library outlives what came from it. Surfaces of windows are made through it.
+    #[cfg_attr(not(feature = "view"), allow(dead_code))]
+    pub(super) entry: ash::Entry,
 }
 
 struct Debug {
@@ -38,6 +39,11 @@ struct Debug {
 impl Instance {
     /// Loads Vulkan. With `validate`, every call is checked by the Khronos validation layer, which must be installed.
     pub fn new(validate: bool) -> Result<Self> {
+        Self::with_extensions(validate, &[])
+    }
+
+    /// As [`Self::new`], with further extensions, which fails where the loader lacks one of them.
+    pub(super) fn with_extensions(validate: bool, further: &[*const c_char]) -> Result<Self> {
         mesa::widen();
         omission::read()?;
         // SAFETY: loading the library runs its initialisers; the Vulkan loader's have no precondition.
@@ -60,7 +66,7 @@ impl Instance {
         let has_names =
             available.iter().any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
         let mut layers = Vec::new();
-        let mut extensions = Vec::new();
+        let mut extensions = further.to_vec();
         if has_names || validate {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
@@ -86,7 +92,7 @@ impl Instance {
         let raw = unsafe { entry.create_instance(&info, None) }
             .map_err(|code| Error::Vulkan { doing: String::from("create an instance"), code: code.to_string() })?;
         let debug = if validate { Some(Debug::new(&entry, &raw)?) } else { None };
-        Ok(Self { shared: Arc::new(InstanceShared { raw, has_names: has_names || validate, debug, _entry: entry }) })
+        Ok(Self { shared: Arc::new(InstanceShared { raw, has_names: has_names || validate, debug, entry }) })
     }
 
     /// Every physical device, in the driver's order: what it is, what it can do, and why a backend is refused on it.
@@ -160,7 +166,7 @@ unsafe extern "system" fn on_message(
 impl Drop for InstanceShared {
     fn drop(&mut self) {
         // SAFETY: everything made from the instance holds it alive, so nothing is left; the messenger goes first, then
-        // its messages with `debug`, then the library with `_entry`.
+        // its messages with `debug`, then the library with `entry`.
         unsafe {
             if let Some(debug) = &self.debug {
                 debug.utils.destroy_debug_utils_messenger(debug.messenger, None);

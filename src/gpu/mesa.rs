@@ -18,6 +18,9 @@ struct Set {
     before: Option<OsString>,
 }
 
+/// Whether the width of vectors is decided.
+static DECIDED: Once = Once::new();
+
 static WAS_SET: Mutex<Vec<Set>> = Mutex::new(Vec::new());
 
 /// Has the driver compile kernels without LLVM's optimisations. It takes about half as long to start, the bits stay, and kernels take 1.2 to 2
@@ -36,8 +39,7 @@ pub fn compile_quickly() {
 /// speed. So every width but that which the driver takes by itself gets flags of the cache's key that change nothing here: they are about samplers of
 /// images, and no kernel has one.
 pub(super) fn widen() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+    DECIDED.call_once(|| {
         let asked = std::env::var(VECTOR_WIDTH).ok();
         let key = match &asked {
             Some(text) => cache_key(width(text)),
@@ -50,6 +52,18 @@ pub(super) fn widen() {
         let flags = std::env::var(PERFORMANCE).unwrap_or_default();
         let separator = if flags.is_empty() { "" } else { "," };
         set(PERFORMANCE, &format!("{flags}{separator}{key}"));
+    });
+}
+
+/// Has the driver use vectors of 256 bits at most, in this process: it draws triangles with no wider ones, and ends the process where it is to.
+/// To be called before the first [`super::Instance`] is made.
+#[cfg(feature = "view")]
+pub fn draw_triangles() {
+    DECIDED.call_once(|| {
+        let asked = std::env::var(VECTOR_WIDTH).ok();
+        if asked.is_some_and(|text| width(&text) > 256) {
+            set(VECTOR_WIDTH, "256");
+        }
     });
 }
 

@@ -14,9 +14,12 @@ mod journal;
 mod mesa;
 mod omission;
 mod pipeline;
+mod presenting;
 mod queue;
 mod submission;
 mod survey;
+#[cfg(feature = "view")]
+pub mod window;
 
 pub use buffer::Buffer;
 pub use commands::Commands;
@@ -24,6 +27,8 @@ pub use device::{Gpu, Limits};
 
 pub use instance::Instance;
 pub use journal::{BufferRecord, CommandRecord, SubmissionRecord};
+#[cfg(feature = "view")]
+pub use mesa::draw_triangles;
 pub use mesa::{compile_quickly, with_the_users_environment};
 #[cfg(feature = "hot-reload")]
 pub use pipeline::replace_modules;

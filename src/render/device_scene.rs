@@ -7,6 +7,7 @@ use std::time::Instant;
 use glam::{DAffine3, Vec3};
 use obvhs::cwbvh::node::CwBvhNode;
 
+use super::camera_uniforms;
 use super::watch::{Building, Watch};
 use crate::bvh::{Bounds, Bvh};
 use crate::error::Result;
@@ -124,21 +125,11 @@ impl DeviceScene {
         };
         let rotation = scene.environment.as_ref().map_or([[0.0; 3]; 3], |environment| environment.from_world);
         let filter_table = if settings.filter == Filter::Box { Vec::new() } else { settings.filter.cells() };
-        let plane = settings.image_plane(scene)?;
-        let vector = |v: glam::DVec3| v.as_vec3().to_array();
         let (core_centre, core_radius) = scene.core();
         let splat_unit = splat_unit(scene);
         let mut uniforms = SceneUniforms {
             width: settings.width,
             height: settings.height,
-            camera_origin: vector(plane.origin),
-            camera_corner: vector(plane.corner),
-            camera_dx: vector(plane.dx),
-            camera_dy: vector(plane.dy),
-            lens_x: vector(plane.lens_x),
-            lens_y: vector(plane.lens_y),
-            focus: plane.focus as f32,
-            camera_absorption: scene.absorption_at(plane.origin),
             background: scene.background.unwrap_or_default(),
             background_texture: scene.environment.as_ref().map_or(NONE, |environment| environment.texture),
             background_x: rotation[0],
@@ -168,6 +159,7 @@ impl DeviceScene {
             filter_table: upload(ARRAY_NAMES.filter_table, bytemuck::cast_slice(&filter_table))?,
             ..SceneUniforms::default()
         };
+        camera_uniforms::set(&mut uniforms, scene, &settings.image_plane(scene)?);
         for array in scene.arrays(&needs) {
             *(array.address)(&mut uniforms) = upload(array.name, array.bytes)?;
         }

@@ -6,6 +6,7 @@
 
 pub mod aovs;
 mod blocks;
+mod camera_uniforms;
 mod counted;
 mod device_scene;
 pub mod film;
@@ -104,6 +105,8 @@ pub struct Renderer {
     /// What came before the frames; those are counted.
     seconds: Seconds,
     counted: Counted,
+    /// One of the `CAMERA_*` constants.
+    camera_kind: u32,
 }
 
 impl Renderer {
@@ -166,6 +169,7 @@ impl Renderer {
             state,
             aovs,
             counted: Counted::default(),
+            camera_kind: settings.image_plane(scene)?.kind,
         };
         while_compiling(watch, || {
             if let Some(aovs) = &renderer.aovs {
@@ -209,13 +213,13 @@ impl Renderer {
         self.recorder.as_ref().map_or(Ok((Vec::new(), 0)), Recorder::read)
     }
 
-    /// Takes one sample of one pixel, and of its neighbours in the same workgroup, where those before it need not have been taken:
-    /// for techniques that begin all subpaths at the camera. What it adds to the film is of no use.
-    pub fn sample_pixel(&mut self, x: u32, y: u32, sample: u32) -> Result<()> {
+    /// Takes some samples of one pixel, and of its neighbours in the same workgroup, where those before them need not have been taken:
+    /// for techniques that begin all subpaths at the camera. What they add to the film is of no use.
+    pub fn sample_pixel(&mut self, x: u32, y: u32, first_sample: u32, samples: u32) -> Result<()> {
         let across = self.settings.width.div_ceil(8);
         let slot = (y / 8 * across + x / 8) * 64 + y % 8 * 8 + x % 8;
         let first_slot = slot / WORKGROUP * WORKGROUP;
-        let frame = Frame { first_slot, slots: WORKGROUP, first_sample: sample, samples: 1, ..Frame::NOTHING };
+        let frame = Frame { first_slot, slots: WORKGROUP, first_sample, samples, ..Frame::NOTHING };
         self.dispatch(frame, true).map(drop)
     }
 
@@ -259,6 +263,19 @@ impl Renderer {
         self.plan = self.plan.restarted();
         self.counted = Counted::default();
         Ok(())
+    }
+
+    /// Looks through a camera that stands or looks elsewhere and begins again: that of `scene`, which is the scene that it was made for but
+    /// for its cameras. Kernels know the camera's kind (pinhole, lens, parallel rays), so that must be the same.
+    pub fn look(&mut self, scene: &Scene) -> Result<()> {
+        let plane = self.settings.image_plane(scene)?;
+        if plane.kind != self.camera_kind {
+            return Err(Error::Usage(String::from(
+                "a camera of another kind (pinhole, lens, parallel rays) than the one that the kernels were made for",
+            )));
+        }
+        camera_uniforms::change(&self.scene().uniforms, scene, &plane)?;
+        self.restart(self.settings.seed)
     }
 
     /// Says where the samples stand among those of several renderings, for techniques whose blur shrinks with them.
@@ -392,8 +409,13 @@ impl Renderer {
     /// The AOVs, from as many samples as each pixel has by now, 1 at least and [`aovs::MOST_SAMPLES`] at most; nothing where the settings ask
     /// for none.
     pub fn aovs(&self) -> Result<Option<AovFilm>> {
+        self.aovs_of(self.spp())
+    }
+
+    /// The same from so many samples, for whoever does not want to wait.
+    pub fn aovs_of(&self, samples: u32) -> Result<Option<AovFilm>> {
         let Some(pass) = &self.aovs else { return Ok(None) };
-        pass.render(&self.gpu, &self.settings, self.spp(), |frame| self.constants(frame)).map(Some)
+        pass.render(&self.gpu, &self.settings, samples, |frame| self.constants(frame)).map(Some)
     }
 
     /// What all passes of a frame are given.

@@ -12,7 +12,7 @@ mod types;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::layout::{PathRecord, RECORD_BEGIN, RECORD_ROULETTE, RECORD_SPLAT, RECORD_VISIT};
+use crate::layout::{PathRecord, RECORD_BEGIN, RECORD_ROULETTE, RECORD_SPLAT, RECORD_VALUE, RECORD_VISIT};
 use crate::render::{Renderer, Settings, Wanted};
 use crate::scene::Scene;
 
@@ -25,6 +25,9 @@ pub use types::{
 
 /// Records that there is room for. A path of the longest kind has a few for each vertex; merging techniques have one for each photon met.
 const ROOM: u32 = 1 << 18;
+
+/// Samples of a pixel of which the brightest is looked for.
+pub const MOST_SAMPLES: u32 = 4096;
 
 /// Bits of all kinds of records.
 const EVERYTHING: u32 = (1 << (RECORD_VISIT + 1)) - 1;
@@ -47,7 +50,20 @@ pub struct Request {
 ///
 /// Fails where the pixel is not in the image, or as a rendering does.
 pub fn trace(gpu: &Gpu, scene: &Scene, settings: &Settings, request: Request) -> Result<Trace> {
-    let Request { x, y, sample } = request;
+    let mut renderer = recording(gpu, scene, settings, request.x, request.y)?;
+    follow(scene, &mut renderer, request)
+}
+
+/// The same for the brightest of the first `samples` samples of a pixel, of [`MOST_SAMPLES`] where there are more.
+pub fn trace_brightest(gpu: &Gpu, scene: &Scene, settings: &Settings, x: u32, y: u32, samples: u32) -> Result<Trace> {
+    let mut renderer = recording(gpu, scene, settings, x, y)?;
+    let sample = brightest(&mut renderer, x, y, samples.clamp(1, MOST_SAMPLES))?;
+    renderer.restart(settings.seed)?;
+    follow(scene, &mut renderer, Request { x, y, sample })
+}
+
+/// A renderer that records what a pixel of its image is made of.
+fn recording(gpu: &Gpu, scene: &Scene, settings: &Settings, x: u32, y: u32) -> Result<Renderer> {
     if x >= settings.width || y >= settings.height {
         return Err(Error::Usage(format!(
             "--pixel {x},{y}: the image has {}x{} pixels, so valid are 0,0 to {},{}",
@@ -57,24 +73,47 @@ pub fn trace(gpu: &Gpu, scene: &Scene, settings: &Settings, request: Request) ->
             settings.height - 1
         )));
     }
-    let pixel = y * settings.width + x;
-    let wanted = Wanted { kinds: EVERYTHING, pixel: Some(pixel), sample: Some(sample), ..Wanted::NOTHING };
+    let recording =
+        Settings { records: ROOM, lengths: 0, strategies: None, aovs: None, shard: None, ..settings.clone() };
+    Renderer::new(gpu, scene, &recording)
+}
+
+/// The index of the brightest sample of a pixel; the first one where all are black.
+fn brightest(renderer: &mut Renderer, x: u32, y: u32, samples: u32) -> Result<u32> {
+    let pixel = y * renderer.settings().width + x;
+    renderer.want_records(&Wanted { kinds: 1 << RECORD_VALUE, pixel: Some(pixel), ..Wanted::NOTHING })?;
+    if renderer.settings().technique.row.is_unidirectional() {
+        renderer.sample_pixel(x, y, 0, samples)?;
+    } else {
+        while renderer.advance(samples)? {}
+    }
+    let (records, _) = renderer.records()?;
+    let brightness = |record: &&PathRecord| record.value.iter().copied().fold(0.0, f32::max);
+    let finite = records.iter().filter(|record| brightness(record).is_finite());
+    let first = |one: &&PathRecord, other: &&PathRecord| {
+        brightness(one).total_cmp(&brightness(other)).then(other.sample_index.cmp(&one.sample_index))
+    };
+    Ok(finite.max_by(first).map_or(0, |record| record.sample_index))
+}
+
+/// Takes a sample of a pixel, and tells what happened in it.
+fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Trace> {
+    let settings = renderer.settings().clone();
+    let pixel = request.y * settings.width + request.x;
+    let wanted = Wanted { kinds: EVERYTHING, pixel: Some(pixel), sample: Some(request.sample), ..Wanted::NOTHING };
     // Connections of a pixel are to the light subpath of the same number.
     let connects = settings.technique.row.tells_strategies;
     let wanted = Wanted { light_path: connects.then_some(pixel), ..wanted };
-    let recording = Settings { records: ROOM, lengths: 0, strategies: None, aovs: None, ..settings.clone() };
-    let mut renderer = Renderer::new(gpu, scene, &recording)?;
-    let mut records = take(&mut renderer, &wanted, request)?;
-    if let Some(source) =
-        brightest_splat(&records).filter(|source| connects && *source != pixel || light_subpaths(settings))
-    {
+    let mut records = take(renderer, &wanted, request)?;
+    let is_elsewhere = |source: &u32| connects && *source != pixel || light_subpaths(&settings);
+    if let Some(source) = brightest_splat(&records).filter(is_elsewhere) {
         renderer.restart(settings.seed)?;
-        let wanted = Wanted { kinds: SUBPATH, pixel: Some(pixel), light_path: Some(source), ..wanted };
+        let wanted = Wanted { kinds: SUBPATH, light_path: Some(source), ..wanted };
         let from_light = |record: &PathRecord| record.from_light == 1;
-        records.extend(take(&mut renderer, &wanted, request)?.into_iter().filter(from_light));
+        records.extend(take(renderer, &wanted, request)?.into_iter().filter(from_light));
     }
     let factor = renderer.film_factor()?;
-    Ok(assemble::assemble(scene, &renderer, request, &records, factor))
+    Ok(assemble::assemble(scene, renderer, request, &records, factor))
 }
 
 /// Whether all light comes by splats of light subpaths, whose numbers have nothing to do with the pixel.
@@ -86,7 +125,7 @@ fn light_subpaths(settings: &Settings) -> bool {
 fn take(renderer: &mut Renderer, wanted: &Wanted, request: Request) -> Result<Vec<PathRecord>> {
     renderer.want_records(wanted)?;
     if renderer.settings().technique.row.is_unidirectional() {
-        renderer.sample_pixel(request.x, request.y, request.sample)?;
+        renderer.sample_pixel(request.x, request.y, request.sample, 1)?;
     } else {
         let target = request
             .sample

@@ -10,6 +10,8 @@ pub mod room;
 pub mod sampling;
 pub mod seeds;
 pub mod truth;
+#[cfg(feature = "view")]
+pub mod xdnd;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, PoisonError};

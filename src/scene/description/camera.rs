@@ -1,6 +1,6 @@
 //! Cameras: where they stand, what they see, and the rays that they send through the image.
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::request::FilmSettings;
 use crate::error::{Error, Result};
@@ -85,6 +85,22 @@ pub struct ImagePlane {
     pub focus: f64,
     /// One of the `CAMERA_*` constants.
     pub kind: u32,
+}
+
+impl ImagePlane {
+    /// Where the middle of the lens sees a point, in pixels from the upper left corner; nothing where that is behind it. The point is in the camera's
+    /// coordinates: relative to the scene's origin.
+    pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
+        let to = point - self.origin;
+        let [x, y, depth] = if self.kind == CAMERA_ORTHOGRAPHIC {
+            (DMat3::from_cols(self.lens_x, self.lens_y, self.corner).inverse() * to).to_array()
+        } else {
+            // to = depth (corner + x dx + y dy)
+            let [x, y, depth] = (DMat3::from_cols(self.dx, self.dy, self.corner).inverse() * to).to_array();
+            [x / depth, y / depth, depth]
+        };
+        (depth > 0.0 && x.is_finite() && y.is_finite()).then_some([x, y])
+    }
 }
 
 impl Camera {
