@@ -97,4 +97,6 @@ pub struct News {
     pub picture: Option<Arc<Picture>>,
     /// How often the device was lost and opened again.
     pub losses: u32,
+    /// The scene with which something failed last.
+    pub failed_scene: Option<u64>,
 }

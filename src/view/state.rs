@@ -53,6 +53,8 @@ pub(super) struct State {
     /// Whether a screenshot is asked for.
     pub shoots: bool,
     pub quits: bool,
+    /// Scenes that were opened so far, each of which has a number of its own.
+    scenes: u64,
     /// What the viewpoint was made for.
     stands_in: Option<(u64, Option<String>)>,
     /// How the picture lies in the window.
@@ -71,6 +73,7 @@ impl State {
             is_changed: false,
             shoots: false,
             quits: false,
+            scenes: 0,
             stands_in: None,
             place: Rect::NOTHING,
         }
@@ -91,9 +94,9 @@ impl State {
                 self.stands_in = here;
                 self.inspection = None;
             }
-        } else if let Doing::Failed(why) = &self.news.doing {
+        } else if self.news.failed_scene == Some(self.wanted.scene_number) {
             // The scene that was opened last is of no use: back to the one before.
-            self.notice = Some(why.clone());
+            self.notice.clone_from(&self.news.trouble);
             self.wanted.scene = facts.scene.clone();
             self.wanted.scene_number = facts.scene_number;
             self.is_changed = true;
@@ -109,7 +112,8 @@ impl State {
             own.options.defines.clear();
         }
         own.scene = scene;
-        own.scene_number += 1;
+        self.scenes += 1;
+        own.scene_number = self.scenes;
         own.choice.camera = None;
         own.choice.technique = None;
         own.reference = None;
@@ -118,7 +122,8 @@ impl State {
 
     /// Reads the scene's file again.
     pub fn reload(&mut self) {
-        self.wanted.scene_number += 1;
+        self.scenes += 1;
+        self.wanted.scene_number = self.scenes;
         self.stay();
     }
 

@@ -130,7 +130,7 @@ impl Hands {
                 }
                 Err(error) => {
                     there.rendering = None;
-                    self.shared.fail(error);
+                    self.shared.fail(error, wanted.scene_number);
                     failed = true;
                     true
                 }
@@ -186,11 +186,12 @@ impl Hands {
             return Ok(false);
         }
         let rests = rendering.advance(wanted)?;
+        let doing = if rests { Doing::Resting } else { Doing::Rendering };
         if let Some(picture) = rendering.picture(wanted, loaded.reference.as_ref(), rests)? {
             self.losses = 0;
-            self.shared.show(picture);
+            self.shared.show(picture, doing.clone());
         }
-        self.shared.tell_doing(if rests { Doing::Resting } else { Doing::Rendering });
+        self.shared.tell_doing(doing);
         Ok(rests)
     }
 

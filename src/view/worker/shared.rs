@@ -25,7 +25,8 @@ pub(super) struct Shared {
 
 impl Shared {
     pub fn new(wanted: Wanted, wake: Box<dyn Fn() + Send + Sync>) -> Self {
-        let news = News { doing: Doing::Loading, trouble: None, facts: None, picture: None, losses: 0 };
+        let news =
+            News { doing: Doing::Loading, trouble: None, facts: None, picture: None, losses: 0, failed_scene: None };
         let inside = Mutex::new(Inside { wanted, is_new: true, quits: false, news, fatal: None });
         Self { inside, changed: Condvar::new(), wake }
     }
@@ -81,7 +82,7 @@ impl Shared {
     }
 
     /// Says what cannot be had. Before there is any picture that is the end of it.
-    pub fn fail(&self, error: Error) {
+    pub fn fail(&self, error: Error, scene_number: u64) {
         let message = error.to_string();
         {
             let mut inside = self.lock();
@@ -91,6 +92,7 @@ impl Shared {
         }
         self.tell(|news| {
             news.doing = Doing::Failed(message.clone());
+            news.failed_scene = Some(scene_number);
             news.trouble = Some(message);
         });
     }
@@ -100,8 +102,10 @@ impl Shared {
         self.lock().fatal.take()
     }
 
-    pub fn show(&self, picture: Picture) {
+    /// Shows a picture, and says what the worker is at: both at once, as a picture is the last one where it rests.
+    pub fn show(&self, picture: Picture, doing: Doing) {
         self.tell(|news| {
+            news.doing = doing;
             news.picture = Some(Arc::new(picture));
             news.trouble = None;
         });
