@@ -25,15 +25,7 @@ mod table;
 
 use modules::compile::Compiler;
 use modules::source::Sources;
-use modules::variants::{Variant, variants};
-
-/// The names of the files in a folder, in order.
-fn files_in(folder: &str) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
-}
+use modules::variants::{Variant, files_in, variants};
 
 /// A text without comments, blank lines and the space around lines: what decides whether something must be compiled again.
 fn without_comments(text: &str) -> String {
@@ -137,7 +129,7 @@ fn run() -> Result<(), String> {
     for source in ["build.rs", "src/layout", "src/modules", "src/spirv", "src/techniques/table.rs"] {
         println!("cargo:rerun-if-changed={source}");
     }
-    for family in files_in("src/techniques") {
+    for family in files_in(Path::new("src/techniques")) {
         for file in ["row.rs", "structs.rs"] {
             let file = format!("src/techniques/{family}/{file}");
             if Path::new(&file).exists() {

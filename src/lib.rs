@@ -51,8 +51,6 @@ pub mod merge;
 pub mod modules;
 pub mod rays;
 pub mod reference;
-#[cfg(feature = "hot-reload")]
-pub mod reload;
 pub mod render;
 pub mod report;
 pub mod scene;

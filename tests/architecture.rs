@@ -94,3 +94,15 @@ fn unsafe_code_is_where_c_is_called() {
     }
     assert_eq!(found, BTreeSet::from(UNSAFE));
 }
+
+/// Sums of whole numbers are checked in the program that people run.
+#[test]
+fn overflow_is_checked_in_release() {
+    let manifest =
+        std::fs::read_to_string(std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let own = manifest.split("[profile.release.package.lumbre]").nth(1).unwrap_or_default();
+    assert!(
+        own.trim_start().starts_with("overflow-checks = true"),
+        "Cargo.toml: overflow checks of lumbre are off in release"
+    );
+}

@@ -68,7 +68,7 @@ bool pixel_has_sample(Pixel pixel) { return pixel.sample_index < frame.first_sam
 // point of the lens.
 vec2 sample_offset(inout Pixel pixel, out Sampler random, out vec2 on_lens) {
     random = Sampler(pixel.index, pixel.sample_index, 0u, frame.seed);
-    record_begin(pixel.index, pixel.sample_index, false);
+    record_begin_pixel(pixel.index, pixel.sample_index);
     vec4 u = next4(random);
     pixel.filter_weight = 1.0;
     on_lens = u.zw;

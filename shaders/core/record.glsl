@@ -17,15 +17,26 @@ bool record_wants_sample(uint pixel, uint sample_index) {
     return (wanted.pixel == NONE || wanted.pixel == pixel) && (wanted.sample_index == NONE || wanted.sample_index == sample_index);
 }
 
-// Begins a sample of a pixel, or a light subpath.
-void record_begin(uint pixel, uint sample_index, bool from_light) {
-    if (!RECORDS) return;
+void record_begin(uint index, uint sample_index, bool from_light, bool is_wanted) {
     RecordHeader wanted = record_header();
-    recorded_pixel = pixel;
+    recorded_pixel = index;
     recorded_sample = sample_index;
     recorded_from_light = from_light;
-    bool is_wanted = from_light ? wanted.light_path == pixel : wanted.pixel == NONE || wanted.pixel == pixel;
     recorded = is_wanted && (wanted.sample_index == NONE || wanted.sample_index == sample_index);
+}
+
+// Begins a sample of a pixel.
+void record_begin_pixel(uint pixel, uint sample_index) {
+    if (!RECORDS) return;
+    uint wanted = record_header().pixel;
+    record_begin(pixel, sample_index, false, wanted == NONE || wanted == pixel);
+}
+
+// Begins one of so many light subpaths. What is wanted may be a pixel's number: there may be fewer subpaths, which pixels share then.
+void record_begin_light(uint index, uint sample_index, uint count) {
+    if (!RECORDS) return;
+    uint wanted = record_header().light_path;
+    record_begin(index, sample_index, true, wanted != NONE && wanted % count == index);
 }
 
 // Whether the lane's path is recorded with this kind.
@@ -86,7 +97,7 @@ void record_splat(uint pixel, uint sample_index, uint source, uint s, uint t, ve
 void record_value(uint pixel, uint sample_index, vec3 value, float filter_weight) {
     if (!RECORDS) return;
     if (!record_wants(RECORD_VALUE) || !record_wants_sample(pixel, sample_index)) return;
-    if (!(max(value.x, max(value.y, value.z)) > record_header().threshold)) return;
+    if (max(value.x, max(value.y, value.z)) <= record_header().threshold) return; // what is no number is recorded
     PathRecord r = record_of(RECORD_VALUE, 0u);
     r.pixel = pixel;
     r.sample_index = sample_index;

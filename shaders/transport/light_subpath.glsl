@@ -35,7 +35,7 @@ Path light_path_begin(uint index, uint sample_index, out EmittedRay emitted) {
     vec4 u = next4(random);
     vec4 v = next4(random);
     emitted = light_emit(u, v);
-    record_begin(index, sample_index, true);
+    record_begin_light(index, sample_index, light_subpaths.light_path_count);
     record_emitted(emitted);
     return path_from_light(emitted, random);
 }

@@ -35,7 +35,10 @@ pub(super) struct MergeArgs {
 
 pub(super) fn run(args: &MergeArgs) -> Result<()> {
     let kind = kind(&args.inputs)?;
-    if let Some(path) = args.output.iter().find(|path| args.inputs.contains(path)) {
+    let same = |one: &Path, other: &Path| {
+        one == other || one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
+    };
+    if let Some(path) = args.output.iter().find(|path| args.inputs.iter().any(|input| same(input, path))) {
         return Err(Error::Usage(format!("{} cannot be merged into itself: choose another output", path.display())));
     }
     match kind {

@@ -91,7 +91,8 @@ pub(super) struct RenderArgs {
     aov_through_specular: bool,
 
     /// Name the N brightest samples: pixel, sample, value, and the command that tells what happened to their paths. It costs some speed
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000), hide_default_value = true)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000), hide_default_value = true,
+          conflicts_with_all = ["strategies", "shard", "resume"])]
     fireflies: u32,
 
     /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that
@@ -100,7 +101,7 @@ pub(super) struct RenderArgs {
 
     /// Denoise the image by Open Image Denoise, where its library is installed, with its albedo and normals; the layer `noisy` of an EXR is
     /// the image as it was. For techniques whose noise is independent from pixel to pixel
-    #[arg(long, conflicts_with_all = ["lengths", "strategies"])]
+    #[arg(long, conflicts_with_all = ["lengths", "strategies", "shard"])]
     denoise: bool,
 
     /// Render a share of the samples, to be put together by `lumbre merge`: shard K of N (1/8 to 8/8), of the -n samples per pixel of all of them,
@@ -247,7 +248,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let about = About::new(&scene, &gpu, &renderer);
     keeper.about(&about);
     if let Some(folder) = &args.record {
-        record::record(&gpu, &mut renderer, folder)?;
+        let written = record::record(&gpu, &mut renderer, folder).map_err(|error| keeper.explain(error))?;
+        if !args.quiet {
+            say!("wrote {written}");
+        }
     }
     let mut progress = Progress::new(args.quiet, &job);
     let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
@@ -263,6 +267,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let film = renderer.film().map_err(|error| keeper.explain(error))?;
     let trace = |x, y, sample| trace_command(args, renderer.settings(), x, y, sample);
     let found = fireflies.found(&renderer, trace)?;
+    if fireflies.lost() > 0 && !args.quiet {
+        say!(
+            "warning: {} samples had no room among those that --fireflies looks at: one of them may be brighter",
+            fireflies.lost()
+        );
+    }
     let told = (about.settings, report::Figures { rays: renderer.rays(), frames: frames(&renderer), rare: about.rare });
     let mut result = report::Report::new(told, &gpu, &renderer, &film, load, started)?.with_fireflies(found);
     // Should they fail, the image is still to be written.
@@ -359,8 +369,9 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     let stdout = Path::new("/dev/stdout");
     let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
     let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
-    if outputs.is_empty() && args.shard.is_some() {
-        if args.checkpoint.is_none() {
+    let has_shard = args.checkpoint.is_some() || has_exr(&outputs);
+    if args.shard.is_some() {
+        if !has_shard {
             return Err(Error::Usage(String::from(
                 "--shard writes what lumbre merge puts together: give --checkpoint FILE, or -o FILE.exr, whose merging rounds",
             )));
@@ -385,6 +396,9 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
         )));
     }
     check_json(args.json.as_deref())?;
+    if let Some(folder) = &args.record {
+        std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
+    }
     Ok(outputs)
 }
 
@@ -436,7 +450,7 @@ fn settle(
         (None, Some(_)) => args.spp.unwrap_or(u32::MAX),
         (None, None) => asked_spp(args, scene, camera),
     };
-    settings.records = if args.fireflies > 0 { fireflies::ROOM } else { 0 };
+    settings.records = if args.fireflies > 0 { fireflies::room(&settings) } else { 0 };
     settings.expected_samples = expected_samples(args, scene, camera);
     settings.shard = args.shard.map(|(number, of)| Shard::new(number, of, spp)).transpose()?;
     let spp = settings.shard.map_or(spp, Shard::count);

@@ -85,9 +85,7 @@ impl SettingsArgs {
         if let Some(camera) = &self.camera {
             add("--camera", camera.clone());
         }
-        if let Some(Depth(depth)) = self.max_depth {
-            add("--max-depth", depth.map_or(-1, i64::from).to_string());
-        }
+        add("--max-depth", settings.max_depth.map_or(-1, i64::from).to_string());
         if let Some(depth) = self.rr_depth {
             add("--rr-depth", depth.to_string());
         }

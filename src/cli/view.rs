@@ -26,6 +26,10 @@ pub(super) struct ViewArgs {
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
 
+    /// Take shaders from this folder whenever its files change: needs the feature hot-reload
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+
     #[command(flatten)]
     device: DeviceArgs,
 
@@ -83,6 +87,7 @@ pub(super) fn run(args: &ViewArgs) -> Result<()> {
         reference: args.reference.clone(),
         is_paused: false,
         asked: None,
+        shaders: args.shaders.clone(),
         spp: args.spp,
     };
     let verbose = args.verbose;

@@ -97,7 +97,8 @@ fn part(path: &Path, picture: &Picture) -> Result<Part> {
     let wrong = |name: &str, error: serde_json::Error| Error::read(path, format!("{name} in its header: {error}"));
     let spp = find("lumbre.spp").and_then(|text| text.parse().ok()).unwrap_or_default();
     let identity = serde_json::from_str(identity).map_err(|error| wrong(IDENTITY, error))?;
-    let shard = serde_json::from_str(shard).map_err(|error| wrong(SHARE, error))?;
+    let shard: Shard = serde_json::from_str(shard).map_err(|error| wrong(SHARE, error))?;
+    let shard = Shard::new(shard.number, shard.of, shard.samples).map_err(|error| Error::read(path, error))?;
     Ok(Part { path: path.to_owned(), identity, shard, spp })
 }
 

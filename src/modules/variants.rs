@@ -21,7 +21,7 @@ pub struct Variant {
 }
 
 /// The names of the files in a folder, in order.
-fn files_in(folder: &Path) -> Vec<String> {
+pub fn files_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
@@ -54,7 +54,8 @@ pub fn variants(shaders: &Path) -> Result<Vec<Variant>, String> {
             }
         }
         for folder in ["film", "rays", "test"] {
-            for kernel in files_in(&shaders.join("kernels").join(folder)) {
+            for kernel in files_in(&shaders.join("kernels").join(folder)).iter().filter(|file| file.ends_with(".glsl"))
+            {
                 // What a driver traverses on its own cannot be counted.
                 if kernel == "count.glsl" && !backend.counts {
                     continue;

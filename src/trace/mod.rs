@@ -98,6 +98,9 @@ fn brightest(renderer: &mut Renderer, x: u32, y: u32, samples: u32) -> Result<u3
 
 /// Takes a sample of a pixel, and tells what happened in it.
 fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Trace> {
+    if request.sample == u32::MAX {
+        return Err(Error::Usage(format!("--sample {}: valid are 0 to {}", u32::MAX, u32::MAX - 1)));
+    }
     let settings = renderer.settings().clone();
     let pixel = request.y * settings.width + request.x;
     let wanted = Wanted { kinds: EVERYTHING, pixel: Some(pixel), sample: Some(request.sample), ..Wanted::NOTHING };
@@ -105,7 +108,10 @@ fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Tr
     let connects = settings.technique.row.tells_strategies;
     let wanted = Wanted { light_path: connects.then_some(pixel), ..wanted };
     let mut records = take(renderer, &wanted, request)?;
-    let is_elsewhere = |source: &u32| connects && *source != pixel || light_subpaths(&settings);
+    let is_told = |source: u32| {
+        records.iter().any(|record| record.from_light == 1 && record.kind == RECORD_BEGIN && record.pixel == source)
+    };
+    let is_elsewhere = |source: &u32| (connects || light_subpaths(&settings)) && !is_told(*source);
     if let Some(source) = brightest_splat(&records).filter(is_elsewhere) {
         renderer.restart(settings.seed)?;
         let wanted = Wanted { kinds: SUBPATH, light_path: Some(source), ..wanted };
@@ -127,10 +133,7 @@ fn take(renderer: &mut Renderer, wanted: &Wanted, request: Request) -> Result<Ve
     if renderer.settings().technique.row.is_unidirectional() {
         renderer.sample_pixel(request.x, request.y, request.sample, 1)?;
     } else {
-        let target = request
-            .sample
-            .checked_add(1)
-            .ok_or_else(|| Error::Usage(format!("--sample {}: valid are 0 to {}", request.sample, u32::MAX - 1)))?;
+        let target = request.sample + 1;
         while renderer.advance(target)? {}
     }
     let (records, lost) = renderer.records()?;

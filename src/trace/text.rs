@@ -37,6 +37,9 @@ pub fn text(trace: &Trace) -> String {
         0,
         &format!("value      {}, of which the filter's weight is {}", vector(trace.value), number(trace.filter_weight)),
     );
+    if trace.value.iter().any(|channel| !channel.is_finite()) {
+        line(&mut out, 0, "not finite: the film has dropped it");
+    }
     for path in &trace.subpaths {
         subpath(&mut out, path);
     }

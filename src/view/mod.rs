@@ -12,6 +12,7 @@ mod interface;
 mod layer;
 mod news;
 mod panel;
+mod reload;
 mod screenshot;
 mod state;
 mod wanted;

@@ -111,6 +111,10 @@ pub struct News {
     pub picture: Option<Arc<Picture>>,
     /// What was asked of a pixel last.
     pub traced: Option<Arc<Traced>>,
+    /// What the compiler says of the shaders as their files are now.
+    pub shader_error: Option<String>,
     /// How often the device was lost and opened again.
     pub losses: u32,
+    /// The scene with which something failed last.
+    pub failed_scene: Option<u64>,
 }

@@ -53,6 +53,8 @@ pub(super) struct State {
     /// Whether a screenshot is asked for.
     pub shoots: bool,
     pub quits: bool,
+    /// Scenes that were opened so far, each of which has a number of its own.
+    scenes: u64,
     /// What the viewpoint was made for.
     stands_in: Option<(u64, Option<String>)>,
     /// How the picture lies in the window.
@@ -71,6 +73,7 @@ impl State {
             is_changed: false,
             shoots: false,
             quits: false,
+            scenes: 0,
             stands_in: None,
             place: Rect::NOTHING,
         }
@@ -91,9 +94,9 @@ impl State {
                 self.stands_in = here;
                 self.inspection = None;
             }
-        } else if let Doing::Failed(why) = &self.news.doing {
+        } else if self.news.failed_scene == Some(self.wanted.scene_number) {
             // The scene that was opened last is of no use: back to the one before.
-            self.notice = Some(why.clone());
+            self.notice.clone_from(&self.news.trouble);
             self.wanted.scene = facts.scene.clone();
             self.wanted.scene_number = facts.scene_number;
             self.is_changed = true;
@@ -109,7 +112,8 @@ impl State {
             own.options.defines.clear();
         }
         own.scene = scene;
-        own.scene_number += 1;
+        self.scenes += 1;
+        own.scene_number = self.scenes;
         own.choice.camera = None;
         own.choice.technique = None;
         own.reference = None;
@@ -118,7 +122,8 @@ impl State {
 
     /// Reads the scene's file again.
     pub fn reload(&mut self) {
-        self.wanted.scene_number += 1;
+        self.scenes += 1;
+        self.wanted.scene_number = self.scenes;
         self.stay();
     }
 
@@ -208,6 +213,9 @@ impl State {
         if let Some(traced) = self.traced().filter(|traced| traced.camera_number == picture.camera_number) {
             overlay(ui, &traced, self.place.min, scale);
         }
+        if let Some(error) = &self.news.shader_error {
+            shader_error(ui, error, room);
+        }
         let response = ui.allocate_rect(room, Sense::click_and_drag());
         self.pointer(&response, scale, &picture, ui.ctx());
     }
@@ -291,4 +299,13 @@ fn overlay(ui: &Ui, traced: &Traced, corner: Pos2, scale: f32) {
             painter.text(beside, Align2::LEFT_BOTTOM, index, FontId::monospace(12.0), colour);
         }
     }
+}
+
+/// Shows what the compiler says of shaders, over the last good picture.
+fn shader_error(ui: &Ui, error: &str, room: Rect) {
+    let text =
+        ui.painter().layout(error.trim_end().to_owned(), FontId::monospace(12.0), Color32::WHITE, room.width() - 40.0);
+    let place = Rect::from_min_size(room.min + Vec2::splat(12.0), text.size() + Vec2::splat(16.0));
+    ui.painter().rect_filled(place, 4.0, Color32::from_rgba_unmultiplied(120, 0, 0, 220));
+    ui.painter().galley(place.min + Vec2::splat(8.0), text, Color32::WHITE);
 }

@@ -80,6 +80,8 @@ pub struct Wanted {
     pub is_paused: bool,
     /// The pixel that was clicked on last.
     pub asked: Option<Asked>,
+    /// The folder that shaders are taken from whenever its files change.
+    pub shaders: Option<PathBuf>,
     /// Samples per pixel that are enough; nothing is never.
     pub spp: Option<u32>,
 }

@@ -3,7 +3,7 @@
 mod rendering;
 mod shared;
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -13,12 +13,15 @@ use crate::image::{Image, read_image};
 use crate::scene::{Scene, load};
 
 use super::news::{Doing, Facts, News};
+use super::reload::Reloader;
 use super::wanted::{Choice, ChooseBackend, Wanted};
 use rendering::Rendering;
 use shared::Shared;
 
 /// How often in a row a device may be lost, without a picture in between, before that is the end of it.
 const MOST_LOSSES: u32 = 5;
+/// How often the files of shaders are looked at.
+const SHADER_INTERVAL: Duration = Duration::from_millis(250);
 /// Seconds to wait before a lost device is opened again, times the losses in a row.
 const LOSS_PAUSE: f64 = 0.2;
 
@@ -36,9 +39,21 @@ impl Worker {
         choose_backend: ChooseBackend,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Result<Self> {
+        let reloader = wanted.shaders.as_deref().map(Reloader::new).transpose()?;
         let shared = Arc::new(Shared::new(wanted, Box::new(wake)));
-        let hands =
-            Hands { shared: shared.clone(), instance, choose_backend, losses: 0, messages: Vec::new(), answered: 0 };
+        if let Some(reloader) = &reloader {
+            watch_shaders(reloader.clone(), Arc::downgrade(&shared))?;
+        }
+        let hands = Hands {
+            shared: shared.clone(),
+            instance,
+            choose_backend,
+            losses: 0,
+            messages: Vec::new(),
+            answered: 0,
+            reloader,
+            reloaded: 0,
+        };
         let thread = std::thread::Builder::new()
             .name(String::from("worker"))
             .spawn(move || hands.work())
@@ -77,6 +92,21 @@ impl Drop for Worker {
     }
 }
 
+/// Looks whether shaders change, for as long as the worker is there.
+fn watch_shaders(mut reloader: Reloader, shared: Weak<Shared>) -> Result<()> {
+    let watch = move || {
+        loop {
+            std::thread::sleep(SHADER_INTERVAL);
+            let Some(shared) = shared.upgrade() else { return };
+            if reloader.has_changed() {
+                shared.shaders_changed();
+            }
+        }
+    };
+    let thread = std::thread::Builder::new().name(String::from("shaders")).spawn(watch);
+    thread.map(drop).map_err(|error| Error::Device(format!("no thread to watch shaders with: {error}")))
+}
+
 /// The device that was asked for.
 struct Opened {
     selector: Option<String>,
@@ -100,6 +130,10 @@ struct Hands {
     messages: Vec<String>,
     /// The last question about a pixel that was answered.
     answered: u64,
+    /// Takes shaders from their files.
+    reloader: Option<Reloader>,
+    /// The change of the shaders that was compiled last.
+    reloaded: u64,
 }
 
 /// What there is by now, the last of which needs all before it.
@@ -133,7 +167,7 @@ impl Hands {
                 }
                 Err(error) => {
                     there.rendering = None;
-                    self.shared.fail(error);
+                    self.shared.fail(error, wanted.scene_number);
                     failed = true;
                     true
                 }
@@ -182,6 +216,21 @@ impl Hands {
             there.rendering = Some((wanted.choice.clone(), made));
         }
         let Some((_, rendering)) = &mut there.rendering else { return Ok(true) };
+        let changes = self.shared.shader_changes();
+        if let (Some(reloader), true) = (&self.reloader, changes > self.reloaded) {
+            self.reloaded = changes;
+            self.shared.tell(|news| news.doing = Doing::Building("compiling shaders", None));
+            let [technique, backend] = rendering.names();
+            match reloader.reload(technique, backend) {
+                // Kernels are made of the new ones; the last picture stays meanwhile.
+                Ok(()) => {
+                    self.shared.tell(|news| news.shader_error = None);
+                    there.rendering = None;
+                    return Ok(false);
+                }
+                Err(why) => self.shared.tell(|news| news.shader_error = Some(why)),
+            }
+        }
         let moves = rendering.camera_number != wanted.camera_number && rendering.may_look();
         if moves && !rendering.look(&mut loaded.scene, wanted)? {
             // Kernels for another kind of camera.
@@ -189,9 +238,10 @@ impl Hands {
             return Ok(false);
         }
         let rests = rendering.advance(wanted)?;
+        let doing = if rests { Doing::Resting } else { Doing::Rendering };
         if let Some(picture) = rendering.picture(wanted, loaded.reference.as_ref(), rests)? {
             self.losses = 0;
-            self.shared.show(picture);
+            self.shared.show(picture, doing.clone());
         }
         if let Some(asked) = wanted.asked.filter(|asked| asked.number > self.answered) {
             self.shared.tell_doing(Doing::Building("tracing the pixel", None));
@@ -199,7 +249,7 @@ impl Hands {
             self.answered = asked.number;
             self.shared.tell(|news| news.traced = Some(Arc::new(traced)));
         }
-        self.shared.tell_doing(if rests { Doing::Resting } else { Doing::Rendering });
+        self.shared.tell_doing(doing);
         Ok(rests)
     }
 

@@ -6,13 +6,18 @@ use serde::Serialize;
 
 use lumbre::error::Result;
 use lumbre::layout::{PathRecord, RECORD_VALUE};
-use lumbre::render::{Renderer, Wanted};
+use lumbre::render::{Renderer, Settings, Wanted};
 
 use super::super::output::print;
 
-/// Records that kernels have room for: more than one frame has samples brighter than those that are kept, but for the first frame, which is kept
-/// as short.
-pub(super) const ROOM: u32 = 1 << 16;
+/// The least and the most records that kernels have room for.
+const ROOM: [u64; 2] = [1 << 18, 1 << 21];
+
+/// Records that there is room for: of all samples of a frame, which is bounded to so many, and of all pixels, where a pass goes over these at once.
+pub(super) fn room(settings: &Settings) -> u32 {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    pixels.clamp(ROOM[0], ROOM[1]) as u32
+}
 
 /// One of the brightest samples.
 #[derive(Clone, Debug, Serialize)]
@@ -30,6 +35,8 @@ pub(in super::super) struct Firefly {
 pub(super) struct Fireflies {
     most: usize,
     brightest: Vec<PathRecord>,
+    /// Samples that there was no room for: one of them may have been brighter.
+    lost: u64,
 }
 
 fn brightness(record: &PathRecord) -> f32 {
@@ -44,9 +51,9 @@ fn brighter_first(one: &PathRecord, other: &PathRecord) -> Ordering {
 impl Fireflies {
     /// Begins to look for so many.
     pub fn new(most: u32, renderer: &mut Renderer) -> Result<Self> {
-        let fireflies = Self { most: most as usize, brightest: Vec::new() };
+        let fireflies = Self { most: most as usize, brightest: Vec::new(), lost: 0 };
         if most > 0 {
-            renderer.bound_frames(u64::from(ROOM));
+            renderer.bound_frames(u64::from(renderer.settings().records));
             fireflies.want(renderer)?;
         }
         Ok(fireflies)
@@ -62,17 +69,20 @@ impl Fireflies {
         if self.most == 0 {
             return Ok(());
         }
-        let (records, _) = renderer.records()?;
+        let (records, lost) = renderer.records()?;
+        self.lost += u64::from(lost);
         if records.is_empty() {
             return Ok(());
         }
         self.brightest.extend(records.into_iter().filter(|record| brightness(record).is_finite()));
         self.brightest.sort_by(brighter_first);
         self.brightest.truncate(self.most);
-        if self.brightest.len() == self.most {
-            renderer.bound_frames(u64::MAX);
-        }
         self.want(renderer)
+    }
+
+    /// Samples that there was no room for.
+    pub fn lost(&self) -> u64 {
+        self.lost
     }
 
     /// The brightest, the first one first; `command` traces a sample of a pixel.

@@ -11,8 +11,6 @@ use lumbre::gpu::{BufferRecord, CommandRecord, Gpu, SubmissionRecord};
 use lumbre::render::{KernelSize, Renderer};
 use lumbre::report::html::escape;
 
-use super::super::output::say;
-
 /// The JSON object; its keys are a contract.
 #[derive(Serialize)]
 struct FrameReport {
@@ -30,8 +28,8 @@ struct FrameReport {
 }
 
 /// Takes one sample of every pixel, writes what the queue was given for it to `folder`, and leaves the rendering as it was at the beginning.
-pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
+/// Returns what it has written.
+pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Result<String> {
     gpu.start_journal()?;
     while renderer.advance(1)? {}
     let (submissions, buffers) = gpu.end_journal();
@@ -53,9 +51,9 @@ pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Resul
     replace_file(&json, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))?;
     let picture = timeline(&report);
     replace_file(&svg, |file| file.write_all(picture.as_bytes()).map_err(|error| error.to_string()))?;
-    say!("wrote {} and {}", json.display(), svg.display());
     let seed = renderer.settings().seed;
-    renderer.restart(seed)
+    renderer.restart(seed)?;
+    Ok(format!("{} and {}", json.display(), svg.display()))
 }
 
 /// Width of the bars' column, and where it begins.

@@ -200,6 +200,12 @@ impl Rendering {
         Traced { number: asked.number, camera_number: self.camera_number, trace, places }
     }
 
+    /// The names of the technique and of the backend.
+    pub fn names(&self) -> [&'static str; 2] {
+        let settings = self.renderer.settings();
+        [settings.technique.row.name, settings.backend.name()]
+    }
+
     /// Takes the next samples, unless it rests; whether it does.
     pub fn advance(&mut self, wanted: &Wanted) -> Result<bool> {
         let target = wanted.spp.unwrap_or(u32::MAX);

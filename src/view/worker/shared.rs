@@ -11,6 +11,8 @@ struct Inside {
     /// Something else is wanted than what the worker was given last.
     is_new: bool,
     quits: bool,
+    /// Counts changes of the shaders' files.
+    shader_changes: u64,
     news: News,
     /// What went wrong before there was any picture.
     fatal: Option<Error>,
@@ -25,8 +27,17 @@ pub(super) struct Shared {
 
 impl Shared {
     pub fn new(wanted: Wanted, wake: Box<dyn Fn() + Send + Sync>) -> Self {
-        let news = News { doing: Doing::Loading, trouble: None, facts: None, picture: None, traced: None, losses: 0 };
-        let inside = Mutex::new(Inside { wanted, is_new: true, quits: false, news, fatal: None });
+        let news = News {
+            doing: Doing::Loading,
+            trouble: None,
+            facts: None,
+            picture: None,
+            traced: None,
+            shader_error: None,
+            losses: 0,
+            failed_scene: None,
+        };
+        let inside = Mutex::new(Inside { wanted, is_new: true, quits: false, shader_changes: 0, news, fatal: None });
         Self { inside, changed: Condvar::new(), wake }
     }
 
@@ -39,6 +50,19 @@ impl Shared {
         inside.wanted = wanted;
         inside.is_new = true;
         self.changed.notify_all();
+    }
+
+    /// Takes note that files of shaders have changed.
+    pub fn shaders_changed(&self) {
+        let mut inside = self.lock();
+        inside.shader_changes += 1;
+        inside.is_new = true;
+        self.changed.notify_all();
+    }
+
+    /// How often they have.
+    pub fn shader_changes(&self) -> u64 {
+        self.lock().shader_changes
     }
 
     pub fn quit(&self) {
@@ -81,7 +105,7 @@ impl Shared {
     }
 
     /// Says what cannot be had. Before there is any picture that is the end of it.
-    pub fn fail(&self, error: Error) {
+    pub fn fail(&self, error: Error, scene_number: u64) {
         let message = error.to_string();
         {
             let mut inside = self.lock();
@@ -91,6 +115,7 @@ impl Shared {
         }
         self.tell(|news| {
             news.doing = Doing::Failed(message.clone());
+            news.failed_scene = Some(scene_number);
             news.trouble = Some(message);
         });
     }
@@ -100,8 +125,10 @@ impl Shared {
         self.lock().fatal.take()
     }
 
-    pub fn show(&self, picture: Picture) {
+    /// Shows a picture, and says what the worker is at: both at once, as a picture is the last one where it rests.
+    pub fn show(&self, picture: Picture, doing: Doing) {
         self.tell(|news| {
+            news.doing = doing;
             news.picture = Some(Arc::new(picture));
             news.trouble = None;
         });

@@ -5,13 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::error::{Error, Result};
-use crate::gpu::replace_modules;
-use crate::modules::compile::Compiler;
-use crate::modules::source::Sources;
-use crate::modules::variants::variants;
-use crate::spirv;
 
 /// Watches a folder of shaders.
+#[derive(Clone)]
 pub struct Reloader {
     folder: PathBuf,
     seen: BTreeMap<PathBuf, SystemTime>,
@@ -32,6 +28,10 @@ fn times(folder: &Path, into: &mut BTreeMap<PathBuf, SystemTime>) {
 impl Reloader {
     /// For the shaders in this folder, as they are now. Fails where there are none.
     pub fn new(folder: &Path) -> Result<Self> {
+        if !cfg!(feature = "hot-reload") {
+            let message = "this lumbre was built without a compiler of shaders; with it: cargo build --release --features hot-reload";
+            return Err(Error::Usage(String::from(message)));
+        }
         if !folder.join("core/prelude.glsl").is_file() {
             return Err(Error::Usage(format!(
                 "{} holds no shaders of lumbre: valid is the folder with core/prelude.glsl",
@@ -54,7 +54,14 @@ impl Reloader {
 
     /// Compiles the modules of a technique for a backend, and of AOVs, from their files; pipelines that are made from now on are made of them. Fails with the compiler's
     /// messages, and then leaves all modules as they were.
+    #[cfg(feature = "hot-reload")]
     pub fn reload(&self, technique: &str, backend: &str) -> Result<(), String> {
+        use crate::gpu::replace_modules;
+        use crate::modules::compile::Compiler;
+        use crate::modules::source::Sources;
+        use crate::modules::variants::variants;
+        use crate::spirv;
+
         let sources = Sources::new(&self.folder);
         let compiler = Compiler::new()?;
         let taken = |name: &str| {
@@ -70,5 +77,11 @@ impl Reloader {
         }
         replace_modules(made);
         Ok(())
+    }
+
+    /// There is no compiler in this program.
+    #[cfg(not(feature = "hot-reload"))]
+    pub fn reload(&self, _: &str, _: &str) -> Result<(), String> {
+        Err(format!("{}: there is no compiler of shaders in this program", self.folder.display()))
     }
 }
