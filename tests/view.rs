@@ -200,7 +200,6 @@ fn dropped_scenes_are_opened() {
     let broken = folder.path().join("broken.obj");
     std::fs::write(&broken, "f 1 2 3\n").unwrap();
     drop_file(&display.name, window, &broken);
-    viewer.waits_for(&format!("opening {}", broken.display()));
     viewer.waits_for(&broken.display().to_string());
     let sound = scene_path("veach_mis.xml");
     drop_file(&display.name, window, &sound);
