@@ -137,7 +137,7 @@ fn a_lost_device_says_what_is_kept() {
     let kept = format!("{line} --checkpoint c --checkpoint-interval 0.001 -q");
     let said = fails(with_fault(folder, "device-lost@2", &kept), 1);
     assert!(said.ends_with("; there was no checkpoint yet in c: the rendering begins anew"), "{said}");
-    let said = fails(with_fault(folder, "device-lost@4", &kept), 1);
+    let said = fails(with_fault(folder, "device-lost@5", &kept), 1);
     assert!(
         said.contains("; c keeps ") && said.ends_with(" spp: the same command with --resume goes on from there"),
         "{said}"

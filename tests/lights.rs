@@ -376,8 +376,14 @@ struct Bench {
 }
 
 impl Bench {
+    /// Light samples that find all light by themselves.
     fn new(gpu: &Gpu, scene: &Scene) -> Self {
-        let probe = Probe::new(gpu, scene, &settings(scene, "path", Backend::Bvh), "test/light").unwrap();
+        Self::of_technique(gpu, scene, "light")
+    }
+
+    /// Light samples as a technique takes them: with MIS compensation the darker part of an environment is left to BSDF samples.
+    fn of_technique(gpu: &Gpu, scene: &Scene, technique: &str) -> Self {
+        let probe = Probe::new(gpu, scene, &settings(scene, technique, Backend::Bvh), "test/light").unwrap();
         Self { probe, origin: scene.origin }
     }
 
@@ -473,8 +479,11 @@ fn light_samples_follow_their_density() {
     with_gpu(|gpu| {
         let samples = numbers(gpu, SAMPLES, 6);
         let mut findings = Findings::default();
-        for case in cases() {
-            let bench = Bench::new(gpu, &scene_of(&case.emitters));
+        let all = cases();
+        let plain = all.iter().map(|case| (case, "light"));
+        let is_environment = |case: &&Case| matches!(case.emitters[..], [Emitter::Environment(..)]);
+        for (case, technique) in plain.chain(all.iter().filter(is_environment).map(|case| (case, "path"))) {
+            let bench = Bench::of_technique(gpu, &scene_of(&case.emitters), technique);
             // Cells: rings around what is seen; of an image, halves of its texels, where its density has its steps.
             type Cell = Box<dyn Fn(DVec3) -> Option<usize>>;
             let (points, count, cell): (Vec<(DVec3, f64, usize)>, usize, Cell) =

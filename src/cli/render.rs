@@ -245,6 +245,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let built = Renderer::watched(&gpu, &scene, &settings, &|share| building.update(share));
     building.finish();
     let mut renderer = built?;
+    renderer.prepare(job.spp).map_err(|error| keeper.explain(error))?;
     let about = About::new(&scene, &gpu, &renderer);
     keeper.about(&about);
     if let Some(folder) = &args.record {

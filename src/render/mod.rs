@@ -44,7 +44,7 @@ use crate::render::blocks::Blocks;
 use crate::render::film::{BadSample, Film};
 use crate::render::sums::FilmSums;
 use crate::scene::Scene;
-use crate::techniques::Shard;
+use crate::techniques::{BLOCK_SAMPLES, Shard};
 use crate::techniques::{
     Context, FilmScale, MergeSchedule, Over, Pass, StateReport, StateStream, Store, TechniqueState, Trial, nothing,
     stages,
@@ -231,6 +231,11 @@ impl Renderer {
     fn took(&mut self, wall: Duration, device: Duration) {
         self.counted.seconds[0] += wall.as_secs_f64();
         self.counted.seconds[1] += device.as_secs_f64();
+    }
+
+    /// Makes what so many samples per pixel will need beyond the first few, so that it is not made while they are taken.
+    pub fn prepare(&mut self, spp: u32) -> Result<()> {
+        if spp >= BLOCK_SAMPLES { self.prepare_blocks() } else { Ok(()) }
     }
 
     /// Makes the kernel that ends blocks, and has CPU devices compile it.
