@@ -39,7 +39,7 @@ fn lines_of(file: &Path, begins: &str) -> (usize, usize) {
     );
     let indent = lines[first].len() - lines[first].trim_start().len();
     let ends = |line: &&str| line.len() > indent && line[..indent].trim().is_empty() && line[indent..].starts_with('}');
-    let last = first + 1 + lines[first + 1..].iter().position(|line| ends(&line)).unwrap();
+    let last = first + 1 + lines[first + 1..].iter().position(ends).unwrap();
     (first + 1, last + 1)
 }
 
