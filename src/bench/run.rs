@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::results::Run;
 use super::subject::{Snapshot, Stop, Subject};
 use crate::error::{Error, Result};
-use crate::files::replace_file;
+use crate::files::replace_by;
 use crate::image::{Image, Picture, write_picture};
 use crate::reference::Truth;
 
@@ -146,7 +146,7 @@ impl Bench<'_> {
         let path = self.file(index, run.seed);
         let kept = Kept { fingerprint: self.fingerprint, variant: variant.to_owned(), run: run.clone() };
         let text = serde_json::to_string(&kept).map_err(|error| Error::write(&path, error))?;
-        replace_file(&path, |file| file.write_all(text.as_bytes()).map_err(|error| error.to_string()))
+        replace_by(&path, text.as_bytes())
     }
 
     /// The image at the end of a run.

@@ -7,7 +7,7 @@ use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
 use lumbre::error::{Error, Result};
-use lumbre::files::replace_file;
+use lumbre::files::replace_by;
 
 use super::known::command;
 
@@ -24,7 +24,7 @@ pub(super) struct ManArgs {
 pub(super) fn run(args: &ManArgs) -> Result<()> {
     std::fs::create_dir_all(&args.folder).map_err(|error| Error::write(&args.folder, error))?;
     for (name, page) in pages().map_err(|error| Error::write(&args.folder, error))? {
-        replace_file(&args.folder.join(name), |file| file.write_all(&page).map_err(|error| error.to_string()))?;
+        replace_by(&args.folder.join(name), &page)?;
     }
     Ok(())
 }

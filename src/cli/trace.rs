@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use lumbre::error::Result;
-use lumbre::files::{check_writable, replace_file};
+use lumbre::files::{check_writable, replace_by};
 use lumbre::gpu::compile_quickly;
 use lumbre::trace::{MOST_SAMPLES, Request, svg, text, trace, trace_brightest};
 
@@ -66,10 +66,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
         None => trace(&gpu, &scene, &settings, Request { x, y, sample: args.sample })?,
     };
     if let Some(path) = &args.svg {
-        let picture = svg(&scene, &traced, args.settings.camera.as_deref())?;
-        replace_file(path, |file| {
-            std::io::Write::write_all(file, picture.as_bytes()).map_err(|error| error.to_string())
-        })?;
+        replace_by(path, svg(&scene, &traced, args.settings.camera.as_deref())?.as_bytes())?;
         say!("wrote {}", path.display());
     }
     if let Some(path) = &args.json {

@@ -10,6 +10,6 @@ pub use destination::is_standard_output;
 pub(crate) use destination::{file_behind, folder_of, is_stream};
 pub(crate) use read::{DEFLATE_RATIO, FILE_BYTES, open, read_bytes, read_text};
 pub(crate) use replace::inherit;
-pub use replace::{WriteSeek, check_writable, replace_file};
+pub use replace::{WriteSeek, check_writable, replace_by, replace_file};
 pub use standard_input::STANDARD_INPUT;
 pub(crate) use standard_input::take_standard_input;

@@ -60,6 +60,11 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn WriteSeek) -> Resul
     Ok(())
 }
 
+/// Replaces a file by one of these bytes, as [`replace_file`] does.
+pub fn replace_by(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace_file(path, |file| file.write_all(bytes).map_err(|error| error.to_string()))
+}
+
 /// Makes all of a file, then opens what it is to go to and copies it there.
 fn pass_on(
     path: &Path,

@@ -76,17 +76,22 @@ pub(super) fn read(path: &Path) -> Result<Image> {
 /// Channels that a layer of a [`Picture`] may have.
 const CHANNELS: [&[&str]; 5] = [COLOURS, &["X", "Y", "Z"], &["Z"], &["U", "V"], &["X"]];
 
-/// All of an EXR file that [`Picture`] holds: layers with other channels than its own are left out.
-pub fn read_picture(path: &Path) -> Result<Picture> {
+/// The first layer of an EXR file that can be read, with all of its channels.
+fn first_layer(path: &Path) -> Result<ExrImage<Layer<AnyChannels<FlatSamples>>>> {
     check_exr(path)?;
-    let image = exr::prelude::read()
+    exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
         .first_valid_layer()
         .all_attributes()
         .from_file(path)
-        .map_err(|error| Error::read(path, error))?;
+        .map_err(|error| Error::read(path, error))
+}
+
+/// All of an EXR file that [`Picture`] holds: layers with other channels than its own are left out.
+pub fn read_picture(path: &Path) -> Result<Picture> {
+    let image = first_layer(path)?;
     let size = image.layer_data.size;
     let mut grouped: BTreeMap<String, Vec<(String, Vec<f32>)>> = BTreeMap::new();
     for channel in &image.layer_data.channel_data.list {
@@ -126,15 +131,7 @@ pub fn read_layer(path: &Path, name: &str) -> Result<Option<Image>> {
     if format_of(path)? != Format::Exr {
         return Ok(None);
     }
-    check_exr(path)?;
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_file(path)
-        .map_err(|error| Error::read(path, error))?;
+    let image = first_layer(path)?;
     let (size, channels) = (image.layer_data.size, &image.layer_data.channel_data.list);
     let channel = |letter: &str| {
         let wanted = format!("{name}.{letter}");

@@ -15,7 +15,7 @@ mod text;
 mod view;
 
 use crate::error::{Error, Result, one_of};
-use crate::files::replace_file;
+use crate::files::replace_by;
 
 pub use chapter::{Chapter, Circumstances};
 pub use chapters::CHAPTERS;
@@ -44,7 +44,7 @@ pub fn write(chapters: &[&Chapter], lab: &mut Lab, circumstances: &Circumstances
         sheet.raw("</section>\n");
     }
     let page = page::page(chapters, sheet, circumstances, lab.took());
-    replace_file(&lab.page(), |file| file.write_all(page.as_bytes()).map_err(|error| error.to_string()))
+    replace_by(&lab.page(), page.as_bytes())
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use std::path::Path;
 
 use crate::bench::results::Results;
 use crate::error::{Error, Result};
-use crate::files::replace_file;
+use crate::files::replace_by;
 use pictures::Pictures;
 
 /// Writes `index.html` and `results.csv` into the folder of a bench.
@@ -44,5 +44,5 @@ pub fn write(folder: &Path, results: &Results) -> Result<()> {
 pub use csv::COLUMNS as CSV_COLUMNS;
 
 fn save(path: &Path, text: &str) -> Result<()> {
-    replace_file(path, |file| file.write_all(text.as_bytes()).map_err(|error| error.to_string()))
+    replace_by(path, text.as_bytes())
 }

@@ -103,15 +103,20 @@ fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Tr
     }
     let settings = renderer.settings().clone();
     let pixel = request.y * settings.width + request.x;
-    let wanted = Wanted { kinds: EVERYTHING, pixel: Some(pixel), sample: Some(request.sample), ..Wanted::NOTHING };
-    // Connections of a pixel are to the light subpath of the same number.
-    let connects = settings.technique.row.tells_strategies;
-    let wanted = Wanted { light_path: connects.then_some(pixel), ..wanted };
+    let row = settings.technique.row;
+    let wanted = Wanted {
+        kinds: EVERYTHING,
+        pixel: Some(pixel),
+        sample: Some(request.sample),
+        // Connections of a pixel are to the light subpath of the same number.
+        light_path: row.tells_strategies.then_some(pixel),
+        ..Wanted::NOTHING
+    };
     let mut records = take(renderer, &wanted, request)?;
     let is_told = |source: u32| {
         records.iter().any(|record| record.from_light == 1 && record.kind == RECORD_BEGIN && record.pixel == source)
     };
-    let is_elsewhere = |source: &u32| (connects || light_subpaths(&settings)) && !is_told(*source);
+    let is_elsewhere = |source: &u32| (row.tells_strategies || row.is_light_tracing()) && !is_told(*source);
     if let Some(source) = brightest_splat(&records).filter(is_elsewhere) {
         renderer.restart(settings.seed)?;
         let wanted = Wanted { kinds: SUBPATH, light_path: Some(source), ..wanted };
@@ -120,11 +125,6 @@ fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Tr
     }
     let factor = renderer.film_factor()?;
     Ok(assemble::assemble(scene, renderer, request, &records, factor))
-}
-
-/// Whether all light comes by splats of light subpaths, whose numbers have nothing to do with the pixel.
-fn light_subpaths(settings: &Settings) -> bool {
-    settings.technique.row.is_light_tracing()
 }
 
 /// Takes the sample, and returns what was recorded of it.

@@ -5,11 +5,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use lumbre::error::{Error, Result};
-use lumbre::files::replace_file;
+use lumbre::error::Result;
+use lumbre::files::replace_by;
 use lumbre::gpu::{BufferRecord, CommandRecord, Gpu, SubmissionRecord};
 use lumbre::render::{KernelSize, Renderer};
 use lumbre::report::html::escape;
+
+use super::super::output::write_json;
 
 /// The JSON object; its keys are a contract.
 #[derive(Serialize)]
@@ -47,10 +49,8 @@ pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Resul
         buffers,
     };
     let (json, svg) = (folder.join("frame.json"), folder.join("frame.svg"));
-    let text = serde_json::to_string_pretty(&report).map_err(|error| Error::write(&json, error))?;
-    replace_file(&json, |file| writeln!(file, "{text}").map_err(|error| error.to_string()))?;
-    let picture = timeline(&report);
-    replace_file(&svg, |file| file.write_all(picture.as_bytes()).map_err(|error| error.to_string()))?;
+    write_json(&json, &report)?;
+    replace_by(&svg, timeline(&report).as_bytes())?;
     let seed = renderer.settings().seed;
     renderer.restart(seed)?;
     Ok(format!("{} and {}", json.display(), svg.display()))
