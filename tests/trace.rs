@@ -142,12 +142,14 @@ fn evaluated(path: &Value) -> [f64; 3] {
     sum
 }
 
-/// The brightest samples of a rendering, traced by the commands that it names, are worth what their printed numbers say.
+/// The brightest samples of a rendering, traced by the commands that it names, are worth what their printed numbers say, whatever the scene and
+/// the settings were asked for.
 #[test]
 fn the_printed_path_of_a_firefly_gives_its_value() {
     let folder = tempfile::tempdir().unwrap();
     let report = folder.path().join("report.json");
-    for name in ["gltf_room/room.gltf", "small_vcm.xml"] {
+    const ASKED: &str = "-D light=ceiling -D spheres=large --lights tree --max-depth 4 --rr-depth 2 --sampler independent --seed 7 --camera 0";
+    for (name, asked) in [("gltf_room/room.gltf", ""), ("small_vcm.xml", ASKED)] {
         let mut command = lumbre();
         command.arg("render").arg(scene_path(name)).args([
             "-i",
@@ -160,6 +162,7 @@ fn the_printed_path_of_a_firefly_gives_its_value() {
             "5",
             "-q",
         ]);
+        command.args(asked.split_whitespace());
         command.arg("-o").arg(folder.path().join("image.exr")).arg("--json").arg(&report);
         printed(command);
         let report: Value = serde_json::from_str(&std::fs::read_to_string(&report).unwrap()).unwrap();

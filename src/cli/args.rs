@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use lumbre::error::{Error, Result, one_of};
-use lumbre::gpu::{DeviceKind, Gpu, Instance};
-use lumbre::layout::backend::{BACKENDS, Backend};
+use lumbre::gpu::{Gpu, Instance};
 use lumbre::scene::{LightSelection, LoadOptions, Scene, SceneFormat};
 use lumbre::techniques::{SAMPLERS, Sampler};
 
@@ -80,24 +79,6 @@ impl SceneArgs {
         }
     }
 
-    /// The words of a command line that asks for the same.
-    pub(super) fn words(&self) -> Vec<String> {
-        let mut words = vec![self.scene.display().to_string()];
-        let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
-        if let Some(format) = self.format {
-            add("--format", format.name().to_owned());
-        }
-        for (name, value) in &self.defines {
-            add("-D", format!("{name}={value}"));
-        }
-        if self.lights != LightSelection::Auto {
-            add("--lights", self.lights.name().to_owned());
-        }
-        words.extend(self.energy_compensation.then(|| String::from("--energy-compensation")));
-        words.extend(self.mip_maps.then(|| String::from("--mip-maps")));
-        words
-    }
-
     pub(super) fn load(&self) -> Result<Scene> {
         lumbre::scene::load(&self.scene, &self.options())
     }
@@ -108,23 +89,6 @@ pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err(String::from("it must be NAME=VALUE")),
     }
-}
-
-/// The backend of that name; `auto` picks ray queries on GPUs that have them, and on processors the one that was measured
-/// to be faster there (docs/lavapipe.md).
-pub(super) fn choose_backend(name: &str, gpu: &Gpu) -> Result<Backend> {
-    if name == "auto" {
-        let survey = gpu.survey();
-        let ray_query = survey.kind != DeviceKind::Cpu && survey.refusal(Backend::RayQuery).is_none();
-        return Ok(if ray_query { Backend::RayQuery } else { Backend::Bvh });
-    }
-    let found = BACKENDS.iter().find(|row| row.name == name).map(|row| row.backend);
-    let backend = found.ok_or_else(|| {
-        let valid = std::iter::once("auto").chain(BACKENDS.iter().map(|row| row.name));
-        Error::Usage(format!("no backend '{name}': valid are {}", one_of(valid)))
-    })?;
-    gpu.require(backend)?;
-    Ok(backend)
 }
 
 /// `--max-depth`: a number of segments, or nothing for no limit.

@@ -10,7 +10,7 @@ use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
 use lumbre::lecture::{Circumstances, Lab, Place, Scale, choose, write};
 
-use super::args::{DeviceArgs, choose_backend};
+use super::args::DeviceArgs;
 use super::host;
 use super::interrupt::listen_for_interrupts;
 use super::output::{print, say};
@@ -72,7 +72,7 @@ pub(super) fn run(args: &LectureArgs) -> Result<()> {
     check_writable(&args.output.join("index.html")).map_err(|error| Error::write(&args.output, error))?;
     let (device, device_id) = {
         let gpu = args.device.open()?;
-        choose_backend(&args.backend, &gpu)?;
+        gpu.backend(Some(&args.backend))?;
         let device = host::device(&gpu);
         let id = format!("{} {}", device.name, device.driver);
         (device, id)

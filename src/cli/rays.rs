@@ -9,7 +9,7 @@ use lumbre::files::check_writable;
 use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::rays::{Measurement, PerRay, export, make, measure, settings};
 
-use super::args::{DeviceArgs, SceneArgs, choose_backend, parse_size};
+use super::args::{DeviceArgs, SceneArgs, parse_size};
 use super::output::{check_json, print, print_warnings, write_json};
 
 #[derive(Args)]
@@ -51,7 +51,7 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
     let backends: Vec<Backend> = if args.backend.is_empty() {
         BACKENDS.iter().map(|row| row.backend).filter(|backend| gpu.survey().refusal(*backend).is_none()).collect()
     } else {
-        args.backend.iter().map(|name| choose_backend(name, &gpu)).collect::<Result<_>>()?
+        args.backend.iter().map(|name| gpu.backend(Some(name))).collect::<Result<_>>()?
     };
     if scene.primitives.is_empty() {
         return Err(Error::Usage(format!("{} has no geometry to trace rays against", scene.source.display())));

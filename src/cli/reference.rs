@@ -14,7 +14,7 @@ use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
 use lumbre::techniques::Solves;
 
-use super::args::{Depth, DeviceArgs, SceneArgs, choose_backend, parse_depth, parse_positive, parse_size};
+use super::args::{Depth, DeviceArgs, SceneArgs, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
 use super::output::{bar_on_terminal, check_json, print, print_warnings, say, write_json};
 
@@ -80,7 +80,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
         print_warnings(&scene);
     }
     let gpu = args.device.open()?;
-    let mut settings = Settings::new(&scene, Technique::parse("path")?, choose_backend("auto", &gpu)?);
+    let mut settings = Settings::new(&scene, Technique::parse("path")?, gpu.backend(None)?);
     settings.set_camera(&scene, args.camera.as_deref())?;
     if let Some((width, height)) = args.size {
         (settings.width, settings.height) = (width, height);

@@ -2,13 +2,9 @@
 
 use clap::Args;
 
-use lumbre::error::Result;
-use lumbre::gpu::Gpu;
-use lumbre::render::{Settings, Technique};
-use lumbre::scene::Scene;
-use lumbre::techniques::Sampler;
+use lumbre::techniques::{Overrides, Sampler};
 
-use super::args::{Depth, choose_backend, parse_depth, parse_sampler, parse_size};
+use super::args::{Depth, parse_depth, parse_sampler, parse_size};
 
 /// How to render.
 #[derive(Args)]
@@ -53,47 +49,18 @@ pub(super) struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// The technique that the command names, if it names one.
-    pub(super) fn technique(&self) -> Result<Option<Technique>> {
-        self.integrator.as_deref().map(Technique::parse).transpose()
-    }
-
-    /// What the command line, then the scene, then the defaults ask for; `asked` is the technique that the command names.
-    pub(super) fn settle(&self, scene: &Scene, gpu: &Gpu, asked: Option<Technique>) -> Result<Settings> {
-        let mut technique = Technique::of_scene(scene, asked)?;
-        if let Some(q) = &self.rr_q {
-            technique.set("q", q)?;
+    /// What they ask for beyond the scene's file.
+    pub(super) fn overrides(&self) -> Overrides {
+        Overrides {
+            technique: self.integrator.clone(),
+            backend: Some(self.backend.clone()),
+            size: self.size,
+            camera: self.camera.clone(),
+            max_depth: self.max_depth.map(|Depth(depth)| depth),
+            rr_depth: self.rr_depth,
+            rr_q: self.rr_q.clone(),
+            sampler: self.sampler,
+            seed: self.seed,
         }
-        let mut settings = Settings::new(scene, technique, choose_backend(&self.backend, gpu)?);
-        settings.set_camera(scene, self.camera.as_deref())?;
-        if let Some((width, height)) = self.size {
-            (settings.width, settings.height) = (width, height);
-        }
-        settings.sampler = self.sampler.unwrap_or(settings.sampler);
-        settings.seed = self.seed;
-        if let Some(Depth(depth)) = self.max_depth {
-            settings.max_depth = depth;
-        }
-        settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
-        Ok(settings)
-    }
-    /// The words of a command line that asks for the same.
-    pub(super) fn words(&self, settings: &Settings) -> Vec<String> {
-        let mut words = vec![String::from("-i"), settings.technique.describe()];
-        let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
-        add("--size", format!("{}x{}", settings.width, settings.height));
-        if let Some(camera) = &self.camera {
-            add("--camera", camera.clone());
-        }
-        add("--max-depth", settings.max_depth.map_or(-1, i64::from).to_string());
-        if let Some(depth) = self.rr_depth {
-            add("--rr-depth", depth.to_string());
-        }
-        if let Some(sampler) = self.sampler {
-            add("--sampler", sampler.name().to_owned());
-        }
-        add("--backend", settings.backend.name().to_owned());
-        add("--seed", settings.seed.to_string());
-        words
     }
 }

@@ -51,7 +51,8 @@ fn parse_pixel(text: &str) -> Result<(u32, u32), String> {
 }
 
 pub(super) fn run(args: &TraceArgs) -> Result<()> {
-    let asked = args.settings.technique()?;
+    let overrides = args.settings.overrides();
+    overrides.check()?;
     check_json(args.json.as_deref())?;
     args.svg.as_deref().map_or(Ok(()), check_writable)?;
     let scene = args.scene.load()?;
@@ -59,7 +60,7 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
     // One sample: what compiling well takes would never come back.
     compile_quickly();
     let gpu = args.device.open()?;
-    let settings = args.settings.settle(&scene, &gpu, asked)?;
+    let settings = overrides.settle(&scene, &gpu)?;
     let (x, y) = args.pixel;
     let traced = match args.brightest_of {
         Some(samples) => trace_brightest(&gpu, &scene, &settings, x, y, samples)?,

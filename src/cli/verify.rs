@@ -11,7 +11,7 @@ use lumbre::files::check_writable;
 use lumbre::layout::backend::Backend;
 use lumbre::verify::{CASES, Case, Effort, Figure, On, Outcome, Verdict, backends_of, find, measure_all};
 
-use super::args::{DeviceArgs, choose_backend};
+use super::args::DeviceArgs;
 use super::markdown::{Table, code};
 use super::output::{print, write_json};
 
@@ -84,7 +84,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<()> {
     let mut backends: Vec<Backend> = if args.backend.is_empty() {
         backends_of(&gpu)
     } else {
-        args.backend.iter().map(|name| choose_backend(name, &gpu)).collect::<Result<_>>()?
+        args.backend.iter().map(|name| gpu.backend(Some(name))).collect::<Result<_>>()?
     };
     let mut seen = Vec::new();
     backends.retain(|backend| {

@@ -42,24 +42,14 @@ pub(super) struct ViewArgs {
 pub(super) fn run(args: &ViewArgs) -> Result<()> {
     use lumbre::error::Error;
     use lumbre::image::format_of;
-    use lumbre::layout::backend::BACKENDS;
-    use lumbre::render::Technique;
     use lumbre::view::{Choice, Layer, Start, Wanted, open};
 
-    use super::args::{Depth, choose_backend};
     use super::interrupt::listen_for_interrupts;
     use super::output::{print, say};
 
     // What is wrong with the command itself is said before there is a window.
-    args.settings.integrator.as_deref().map(Technique::parse).transpose()?;
-    if args.settings.backend != "auto" && !BACKENDS.iter().any(|row| row.name == args.settings.backend) {
-        let valid = std::iter::once("auto").chain(BACKENDS.iter().map(|row| row.name));
-        return Err(Error::Usage(format!(
-            "no backend '{}': valid are {}",
-            args.settings.backend,
-            lumbre::error::one_of(valid)
-        )));
-    }
+    let overrides = args.settings.overrides();
+    overrides.check()?;
     let files = [Some(&args.scene.scene), args.reference.as_ref()];
     for path in files.into_iter().flatten().filter(|path| path.as_os_str() != "-") {
         std::fs::File::open(path).map_err(|error| Error::read(path, error))?;
@@ -70,17 +60,7 @@ pub(super) fn run(args: &ViewArgs) -> Result<()> {
         options: args.scene.options(),
         scene_number: 0,
         device: args.device.device.clone(),
-        choice: Choice {
-            technique: args.settings.integrator.clone(),
-            backend: args.settings.backend.clone(),
-            size: args.settings.size,
-            camera: args.settings.camera.clone(),
-            max_depth: args.settings.max_depth.map(|Depth(depth)| depth),
-            rr_depth: args.settings.rr_depth,
-            sampler: args.settings.sampler,
-            seed: args.settings.seed,
-            ..Choice::default()
-        },
+        choice: Choice { overrides, ..Choice::default() },
         camera: None,
         camera_number: 0,
         layer: Layer::Image,
@@ -93,7 +73,6 @@ pub(super) fn run(args: &ViewArgs) -> Result<()> {
     let verbose = args.verbose;
     let messages = open(Start {
         wanted,
-        choose_backend,
         validate: args.device.validate,
         interrupted: listen_for_interrupts(),
         tell: Box::new(move |line| {

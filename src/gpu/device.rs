@@ -204,24 +204,6 @@ impl Gpu {
         &self.shared.limits
     }
 
-    /// Fails, saying why and what works instead, where `backend` is refused on this device.
-    pub fn require(&self, backend: Backend) -> Result<()> {
-        let survey = self.survey();
-        match survey.refusal(backend) {
-            None => Ok(()),
-            Some(why) => {
-                let valid =
-                    survey.backends.iter().filter(|support| support.refused.is_none()).map(|support| support.name);
-                Err(Error::Usage(format!(
-                    "backend {} is refused on {}: {why}. Valid there: {}",
-                    backend.name(),
-                    survey.name,
-                    one_of(valid)
-                )))
-            }
-        }
-    }
-
     /// Fails where the device lacks 64-bit atomics; `what` needs them, and `otherwise` says what is valid there.
     pub(crate) fn require_int64_atomics(&self, what: &str, otherwise: &str) -> Result<()> {
         if self.limits().int64_atomics {

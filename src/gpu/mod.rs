@@ -5,6 +5,7 @@
 
 pub mod accel;
 mod address_space;
+mod backends;
 mod buffer;
 mod commands;
 mod device;

@@ -8,6 +8,7 @@
 mod light_paths;
 mod light_subpath_table;
 mod merging;
+mod overrides;
 mod pace;
 mod sampler;
 mod settings;
@@ -21,6 +22,7 @@ mod technique;
 pub use bidirectional::{LONGEST, Strategies, Strategy};
 pub use merging::MergeSchedule;
 pub use metropolis::Chains;
+pub use overrides::Overrides;
 pub(crate) use pace::Pace;
 pub use radiosity::{PatchReport, Radiosity};
 pub use sampler::{SAMPLERS, Sampler, SamplerRow};

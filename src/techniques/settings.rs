@@ -111,6 +111,14 @@ impl Settings {
         Ok(())
     }
 
+    /// Keeps the layers of all strategies of paths of up to `most` segments, which is where paths end then.
+    pub fn show_strategies(&mut self, scene: &Scene, most: u32) -> Result<()> {
+        let longest = self.max_depth.map_or(most, |depth| depth.min(most));
+        self.strategies = Some(Strategies::of(longest, scene.camera(self.camera.as_deref())?));
+        self.max_depth = Some(longest);
+        Ok(())
+    }
+
     /// Layers of the film besides the image itself.
     pub fn layers(&self) -> u32 {
         self.strategies.map_or(self.lengths, |strategies| 2 * strategies.all().count() as u32)

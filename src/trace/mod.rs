@@ -5,6 +5,7 @@
 //! weights, what light subpaths from elsewhere splat onto the pixel, and the sample's value, which all of these add up to.
 
 mod assemble;
+mod command;
 mod names;
 mod plan;
 mod text;
@@ -16,6 +17,7 @@ use crate::layout::{PathRecord, RECORD_BEGIN, RECORD_ROULETTE, RECORD_SPLAT, REC
 use crate::render::{Renderer, Settings, Wanted};
 use crate::scene::Scene;
 
+pub use command::command;
 pub use plan::svg;
 pub use text::text;
 pub use types::{

@@ -1,7 +1,7 @@
 //! What is known of a pixel that the user has clicked on.
 
 use super::news::{Facts, Picture};
-use super::wanted::Choice;
+use super::wanted::Wanted;
 
 /// A pixel, and what it shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,20 +15,14 @@ pub struct Inspection {
 }
 
 /// What there is to say of a pixel before its brightest sample is traced.
-pub fn inspect(pixel: [u32; 2], picture: &Picture, facts: &Facts, choice: &Choice) -> Option<Inspection> {
+pub fn inspect(pixel: [u32; 2], picture: &Picture, facts: &Facts, wanted: &Wanted) -> Option<Inspection> {
     let [x, y] = pixel;
     let (width, height) = (picture.image.width, picture.image.height);
     let index = (x < width && y < height).then(|| y * width + x)?;
     let value = *picture.image.pixels.get(index as usize)?;
-    let scene = facts.scene.display().to_string();
-    let scene = shlex::try_quote(&scene).map_or(scene.clone(), std::borrow::Cow::into_owned);
     let samples = picture.spp.ceil().max(1.0);
-    let command = format!(
-        "lumbre trace {scene} -i {} --size {width}x{height} --backend {} --sampler {} --seed {} --pixel {x},{y} --brightest-of {samples}",
-        facts.technique.describe(),
-        facts.backend.name(),
-        facts.sampler.name(),
-        choice.seed
-    );
+    let asks = ["--pixel", &format!("{x},{y}"), "--brightest-of", &samples.to_string()];
+    let command =
+        crate::trace::command(&facts.scene, &wanted.options, &wanted.choice.overrides, &facts.settings, &asks);
     Some(Inspection { pixel, value, command })
 }

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use super::layer::Layer;
 use crate::image::Image;
-use crate::layout::backend::Backend;
 use crate::render::film::ErrorEstimate;
 use crate::scene::Camera;
-use crate::techniques::{Sampler, Strategies, Technique};
+use crate::techniques::Settings;
 use crate::trace::Trace;
 
 /// What the worker is at.
@@ -40,18 +39,8 @@ pub struct Facts {
     pub core: (glam::DVec3, f64),
     /// What the user should know of the scene and of the technique in it.
     pub warnings: Vec<String>,
-    /// The technique with its parameters.
-    pub technique: Technique,
-    /// The ray backend.
-    pub backend: Backend,
-    /// Where uniform numbers come from.
-    pub sampler: Sampler,
-    /// Longest path in segments; nothing is no limit.
-    pub max_depth: Option<u32>,
-    /// Layers by path length that the film keeps.
-    pub lengths: u32,
-    /// Layers by strategy that it keeps.
-    pub strategies: Option<Strategies>,
+    /// What it is rendered with.
+    pub settings: Settings,
     /// The device that renders, by its place in the list of devices.
     pub device: usize,
     /// The names of all devices, in their order.

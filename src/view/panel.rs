@@ -132,17 +132,20 @@ fn estimate(picture: &Picture) -> String {
 }
 
 fn technique(ui: &mut Ui, state: &mut State, facts: &Facts) {
-    let mut wanted = facts.technique.clone();
-    ComboBox::from_id_salt("technique").width(WIDTH - 60.0).selected_text(facts.technique.row.name).show_ui(ui, |ui| {
-        for row in TECHNIQUES {
-            let is_own = row.name == facts.technique.row.name;
-            let chosen = ui.selectable_label(is_own, row.name).on_hover_text(row.title).clicked();
-            if let (true, false, Ok(technique)) = (chosen, is_own, Technique::parse(row.name)) {
-                wanted = technique;
+    let mut wanted = facts.settings.technique.clone();
+    ComboBox::from_id_salt("technique").width(WIDTH - 60.0).selected_text(facts.settings.technique.row.name).show_ui(
+        ui,
+        |ui| {
+            for row in TECHNIQUES {
+                let is_own = row.name == facts.settings.technique.row.name;
+                let chosen = ui.selectable_label(is_own, row.name).on_hover_text(row.title).clicked();
+                if let (true, false, Ok(technique)) = (chosen, is_own, Technique::parse(row.name)) {
+                    wanted = technique;
+                }
             }
-        }
-    });
-    ui.label(RichText::new(facts.technique.row.title).small().weak());
+        },
+    );
+    ui.label(RichText::new(facts.settings.technique.row.title).small().weak());
     Grid::new("parameters").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
         for parameter in wanted.row.parameters {
             let value = wanted.value(parameter.name).unwrap_or_default().to_owned();
@@ -154,8 +157,9 @@ fn technique(ui: &mut Ui, state: &mut State, facts: &Facts) {
             ui.end_row();
         }
     });
-    if wanted.full() != facts.technique.full() {
-        state.wanted.choice.technique = Some(wanted.full());
+    if wanted.full() != facts.settings.technique.full() {
+        let overrides = &mut state.wanted.choice.overrides;
+        (overrides.technique, overrides.rr_q) = (Some(wanted.full()), None); // which it tells as well
         if !wanted.row.tells_strategies && matches!(state.wanted.choice.layers, Layers::Strategies(_)) {
             state.wanted.choice.layers = Layers::Nothing;
             state.wanted.layer = Layer::Image;
@@ -197,12 +201,12 @@ fn value_of(ui: &mut Ui, name: &str, values: &Values, value: &str) -> Option<Str
 fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
     let before = (state.wanted.choice.clone(), state.wanted.device.clone());
     Grid::new("settings").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
-        let choice = &mut state.wanted.choice;
+        let choice = &mut state.wanted.choice.overrides;
         ui.label("backend");
-        ComboBox::from_id_salt("backend").selected_text(facts.backend.name()).show_ui(ui, |ui| {
+        ComboBox::from_id_salt("backend").selected_text(facts.settings.backend.name()).show_ui(ui, |ui| {
             for row in BACKENDS {
-                if ui.selectable_label(row.backend == facts.backend, row.name).clicked() {
-                    row.name.clone_into(&mut choice.backend);
+                if ui.selectable_label(row.backend == facts.settings.backend, row.name).clicked() {
+                    choice.backend = Some(row.name.to_owned());
                 }
             }
         });
@@ -218,9 +222,9 @@ fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
         });
         ui.end_row();
         ui.label("sampler");
-        ComboBox::from_id_salt("sampler").selected_text(facts.sampler.name()).show_ui(ui, |ui| {
-            for row in facts.technique.row.samplers() {
-                let is_own = row.sampler == facts.sampler;
+        ComboBox::from_id_salt("sampler").selected_text(facts.settings.sampler.name()).show_ui(ui, |ui| {
+            for row in facts.settings.technique.row.samplers() {
+                let is_own = row.sampler == facts.settings.sampler;
                 if ui.selectable_label(is_own, row.name).on_hover_text(row.about).clicked() && !is_own {
                     choice.sampler = Some(row.sampler);
                 }
@@ -229,7 +233,7 @@ fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
         ui.end_row();
         ui.label("depth").on_hover_text("Longest path in segments: 1 is emission only, 2 adds direct light");
         ui.horizontal(|ui| {
-            let mut depth = facts.max_depth;
+            let mut depth = facts.settings.max_depth;
             let mut is_limited = depth.is_some();
             ui.checkbox(&mut is_limited, "");
             match (is_limited, depth) {
@@ -245,7 +249,7 @@ fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
                     }
                 }
             }
-            if depth != facts.max_depth {
+            if depth != facts.settings.max_depth {
                 choice.max_depth = Some(depth);
             }
         });
@@ -264,7 +268,7 @@ fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
             ui.end_row();
         }
     });
-    let camera_changed = before.0.camera != state.wanted.choice.camera;
+    let camera_changed = before.0.overrides.camera != state.wanted.choice.overrides.camera;
     if camera_changed {
         state.stay();
     }
@@ -311,11 +315,11 @@ fn layers(ui: &mut Ui, state: &mut State, facts: &Facts) {
         let choice = &mut state.wanted.choice;
         ui.label("keep");
         ui.selectable_value(&mut choice.layers, Layers::Nothing, "none");
-        let lengths = facts.max_depth.unwrap_or(MOST_LENGTHS).clamp(1, MOST_LENGTHS);
+        let lengths = facts.settings.max_depth.unwrap_or(MOST_LENGTHS).clamp(1, MOST_LENGTHS);
         if ui.selectable_label(matches!(choice.layers, Layers::Lengths(_)), "lengths").clicked() {
             choice.layers = Layers::Lengths(lengths);
         }
-        let tells = facts.technique.row.tells_strategies;
+        let tells = facts.settings.technique.row.tells_strategies;
         let is_own = matches!(choice.layers, Layers::Strategies(_));
         let strategies = ui.add_enabled(tells, egui::Button::selectable(is_own, "strategies"));
         if strategies.on_disabled_hover_text("This technique has no strategies to tell apart").clicked() {
@@ -327,8 +331,8 @@ fn layers(ui: &mut Ui, state: &mut State, facts: &Facts) {
     if state.wanted.reference.is_some() {
         all.push(Layer::Difference);
     }
-    all.extend((1..=facts.lengths).map(Layer::Length));
-    for strategy in facts.strategies.iter().flat_map(|own| own.all()) {
+    all.extend((1..=facts.settings.lengths).map(Layer::Length));
+    for strategy in facts.settings.strategies.iter().flat_map(|own| own.all()) {
         let (s, t) = (strategy.s, strategy.t);
         all.extend([true, false].map(|weighted| Layer::Strategy { s, t, weighted }));
     }
@@ -362,6 +366,9 @@ fn pixel(ui: &mut Ui, state: &State) {
     }
     let mut command = found.command.as_str();
     ui.add(egui::TextEdit::multiline(&mut command).font(egui::TextStyle::Monospace).desired_rows(2));
+    if state.wanted.camera.is_some() {
+        ui.label(RichText::new("the command looks through the file's camera; this one has been moved").weak());
+    }
     match state.traced().as_deref() {
         None => {
             ui.label(RichText::new("tracing its brightest sample").weak());

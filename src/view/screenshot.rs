@@ -14,8 +14,8 @@ pub fn write(picture: &Picture, display: &Display, facts: &Facts) -> Result<[Pat
     let paths = free_names(Path::new(""), &stem);
     let header = [
         ("scene", facts.scene.display().to_string()),
-        ("integrator", facts.technique.describe()),
-        ("backend", facts.backend.name().to_owned()),
+        ("integrator", facts.settings.technique.describe()),
+        ("backend", facts.settings.backend.name().to_owned()),
         ("layer", picture.layer.name()),
         ("spp", format!("{:.2}", picture.spp)),
         ("exposure", display.exposure.to_string()),

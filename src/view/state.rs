@@ -88,7 +88,7 @@ impl State {
         self.news = news;
         let Some(facts) = self.facts() else { return };
         if facts.scene_number == self.wanted.scene_number {
-            let here = Some((facts.scene_number, self.wanted.choice.camera.clone()));
+            let here = Some((facts.scene_number, self.wanted.choice.overrides.camera.clone()));
             if self.stands_in != here {
                 self.viewpoint = Some(Viewpoint::new(&facts.camera, facts.core));
                 self.stands_in = here;
@@ -114,8 +114,8 @@ impl State {
         own.scene = scene;
         self.scenes += 1;
         own.scene_number = self.scenes;
-        own.choice.camera = None;
-        own.choice.technique = None;
+        own.choice.overrides.camera = None;
+        (own.choice.overrides.technique, own.choice.overrides.rr_q) = (None, None);
         own.reference = None;
         self.stay();
     }
@@ -247,7 +247,7 @@ impl State {
             let place = (at - self.place.min) / scale;
             let is_inside = self.place.contains(at);
             let pixel = [place.x as u32, place.y as u32];
-            self.inspection = is_inside.then(|| inspect(pixel, picture, &facts, &self.wanted.choice)).flatten();
+            self.inspection = is_inside.then(|| inspect(pixel, picture, &facts, &self.wanted)).flatten();
             if self.inspection.is_some() {
                 let number = self.wanted.asked.map_or(1, |asked| asked.number + 1);
                 self.wanted.asked = Some(Asked { number, pixel });

@@ -3,11 +3,8 @@
 use std::path::PathBuf;
 
 use super::layer::Layer;
-use crate::error::Result;
-use crate::gpu::Gpu;
-use crate::layout::backend::Backend;
 use crate::scene::{Camera, LoadOptions};
-use crate::techniques::Sampler;
+use crate::techniques::Overrides;
 
 /// Layers that the film keeps besides the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,25 +18,11 @@ pub enum Layers {
     Strategies(u32),
 }
 
-/// What kernels depend on. Nothing is what the scene asks for, or the default.
+/// What kernels depend on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// The technique with its parameters, as `-i` takes it.
-    pub technique: Option<String>,
-    /// The ray backend, as `--backend` takes it.
-    pub backend: String,
-    /// Width and height of the image in pixels.
-    pub size: Option<(u32, u32)>,
-    /// The scene's camera, by name or number.
-    pub camera: Option<String>,
-    /// Longest path in segments; `Some(None)` is no limit.
-    pub max_depth: Option<Option<u32>>,
-    /// Segments after which Russian roulette may end a path.
-    pub rr_depth: Option<u32>,
-    /// Where uniform numbers come from.
-    pub sampler: Option<Sampler>,
-    /// Seed of the random numbers.
-    pub seed: u32,
+    /// What is asked beyond the scene's file.
+    pub overrides: Overrides,
     /// Layers that the film keeps.
     pub layers: Layers,
     /// Whether AOVs can be shown.
@@ -85,6 +68,3 @@ pub struct Wanted {
     /// Samples per pixel that are enough; nothing is never.
     pub spp: Option<u32>,
 }
-
-/// The backend that a name stands for on a device, `auto` included.
-pub type ChooseBackend = fn(&str, &Gpu) -> Result<Backend>;

@@ -19,7 +19,7 @@ use super::interface;
 use super::news::{Facts, Picture};
 use super::screenshot;
 use super::state::State;
-use super::wanted::{ChooseBackend, Wanted};
+use super::wanted::Wanted;
 use super::worker::Worker;
 use super::{display::Display, panel};
 use crate::error::{Error, Result};
@@ -38,8 +38,6 @@ const MOST_LOSSES: u32 = 5;
 pub struct Start {
     /// What is wanted first.
     pub wanted: Wanted,
-    /// Finds the backend of a name.
-    pub choose_backend: ChooseBackend,
     /// Whether every Vulkan call is checked.
     pub validate: bool,
     /// Set when the user interrupts the program.
@@ -56,7 +54,7 @@ struct Wake;
 /// shows pictures on it.
 pub fn open(start: Start) -> Result<Vec<String>> {
     let began = Instant::now();
-    let Start { wanted, choose_backend, validate, interrupted, tell } = start;
+    let Start { wanted, validate, interrupted, tell } = start;
     let no_display = |error: winit::error::EventLoopError| {
         let why = match &error {
             winit::error::EventLoopError::Os(_) if !has_display() => {
@@ -73,7 +71,7 @@ pub fn open(start: Start) -> Result<Vec<String>> {
     let events = EventLoop::<Wake>::with_user_event().build().map_err(no_display)?;
     let proxy = events.create_proxy();
     let wake = events.create_proxy();
-    let worker = Worker::start(of_worker, wanted.clone(), choose_backend, move || {
+    let worker = Worker::start(of_worker, wanted.clone(), move || {
         let _ = wake.send_event(Wake); // the window may be closed already
     })?;
     let mut viewer = Viewer {

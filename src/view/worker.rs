@@ -14,7 +14,7 @@ use crate::scene::{Scene, load};
 
 use super::news::{Doing, Facts, News};
 use super::reload::Reloader;
-use super::wanted::{Choice, ChooseBackend, Wanted};
+use super::wanted::{Choice, Wanted};
 use rendering::Rendering;
 use shared::Shared;
 
@@ -33,12 +33,7 @@ pub struct Worker {
 
 impl Worker {
     /// Starts it on what is wanted. `wake` is called, on the worker's thread, when there is news.
-    pub fn start(
-        instance: Instance,
-        wanted: Wanted,
-        choose_backend: ChooseBackend,
-        wake: impl Fn() + Send + Sync + 'static,
-    ) -> Result<Self> {
+    pub fn start(instance: Instance, wanted: Wanted, wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
         let reloader = wanted.shaders.as_deref().map(Reloader::new).transpose()?;
         let shared = Arc::new(Shared::new(wanted, Box::new(wake)));
         if let Some(reloader) = &reloader {
@@ -47,7 +42,6 @@ impl Worker {
         let hands = Hands {
             shared: shared.clone(),
             instance,
-            choose_backend,
             losses: 0,
             messages: Vec::new(),
             answered: 0,
@@ -124,7 +118,6 @@ struct Loaded {
 struct Hands {
     shared: Arc<Shared>,
     instance: Instance,
-    choose_backend: ChooseBackend,
     /// Losses of the device since the last picture.
     losses: u32,
     messages: Vec<String>,
@@ -255,7 +248,7 @@ impl Hands {
 
     /// Makes the kernels for what is wanted.
     fn begin(&self, wanted: &Wanted, loaded: &mut Loaded, gpu: &Gpu) -> Result<Rendering> {
-        let settings = rendering::settings(wanted, &loaded.scene, |name| (self.choose_backend)(name, gpu))?;
+        let settings = rendering::settings(wanted, &loaded.scene, gpu)?;
         let devices = self.instance.devices()?.into_iter().map(|survey| survey.name).collect();
         let mut facts = facts(wanted, &loaded.scene, &settings, gpu, devices)?;
         if let Some(reference) =
@@ -294,12 +287,7 @@ fn facts(
         camera: rendering::camera_of_file(scene, wanted)?,
         core: (centre.as_dvec3(), f64::from(radius)),
         warnings: scene.warnings.iter().cloned().chain(lacks).chain(simplifies).collect(),
-        technique: technique.clone(),
-        backend: settings.backend,
-        sampler: settings.sampler,
-        max_depth: settings.max_depth,
-        lengths: settings.lengths,
-        strategies: settings.strategies,
+        settings: settings.clone(),
         device: gpu.survey().index,
         devices,
     })

@@ -10,7 +10,6 @@ use lumbre::render::{Settings, Technique};
 use lumbre::scene::{LightSelection, Scene};
 use lumbre::techniques::{Bias, Sampler, Solves};
 
-use super::super::args::choose_backend;
 use super::entry::Entry;
 
 /// Something that is changed to see what it buys.
@@ -55,7 +54,7 @@ impl Column {
         ablations: &[(&'static str, Ablation)],
         gpu: &Gpu,
     ) -> Result<Vec<Self>> {
-        let backends = backends.iter().map(|name| choose_backend(name, gpu)).collect::<Result<Vec<_>>>()?;
+        let backends = backends.iter().map(|name| gpu.backend(Some(name))).collect::<Result<Vec<_>>>()?;
         let mut names = HashSet::new();
         let mut all = Vec::new();
         for technique in techniques {

@@ -24,7 +24,7 @@ use lumbre::render::{Settings, Technique, kernels_fingerprint};
 use lumbre::scene::{LightSelection, LoadOptions, Scene, SceneFormat};
 use lumbre::statistics::CONFIDENCE;
 
-use super::args::{Depth, DeviceArgs, choose_backend, parse_define, parse_depth, parse_positive, parse_size};
+use super::args::{Depth, DeviceArgs, parse_define, parse_depth, parse_positive, parse_size};
 use super::host;
 use super::interrupt::listen_for_interrupts;
 use super::output::{print, print_warnings, say, write_json};
@@ -363,7 +363,7 @@ fn obtain_reference(
 ) -> Result<(Truth, Reference)> {
     let image = format!("images/{}-reference.exr", entry.name);
     let picture = format!("images/{}-reference.png", entry.name);
-    let settings = Settings { backend: choose_backend("auto", gpu)?, ..entry.settings.clone() };
+    let settings = Settings { backend: gpu.backend(None)?, ..entry.settings.clone() };
     let runs = f64::from(limits.seeds);
     let budget = match (args.reference_time, limits.seconds) {
         (Some(seconds), _) => Budget::Seconds(seconds),

@@ -62,3 +62,23 @@ pub struct LoadOptions {
     /// Filter the images of materials over what a path sees of them, with less noise and a blur; Mitsuba looks up points.
     pub mip_maps: bool,
 }
+
+impl LoadOptions {
+    /// The words of a command line that loads this file in the same way.
+    pub fn words(&self, file: &Path) -> Vec<String> {
+        let mut words = vec![file.display().to_string()];
+        let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
+        if let Some(format) = self.format {
+            add("--format", format.name().to_owned());
+        }
+        for (name, value) in &self.defines {
+            add("-D", format!("{name}={value}"));
+        }
+        if self.lights != LightSelection::Auto {
+            add("--lights", self.lights.name().to_owned());
+        }
+        words.extend(self.energy_compensation.then(|| String::from("--energy-compensation")));
+        words.extend(self.mip_maps.then(|| String::from("--mip-maps")));
+        words
+    }
+}

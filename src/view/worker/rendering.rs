@@ -6,10 +6,9 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::image::Image;
 use crate::image::metrics::pixels::squared_errors;
-use crate::layout::backend::Backend;
 use crate::render::{Renderer, Settings, Technique, Watch};
 use crate::scene::{Camera, Scene};
-use crate::techniques::{AovSettings, Strategies};
+use crate::techniques::AovSettings;
 use crate::trace::{Subpath, Trace, trace_brightest};
 use crate::view::layer::Layer;
 use crate::view::news::{Picture, Traced};
@@ -29,43 +28,26 @@ const MOST_OF_ALL_PIXELS: u32 = 64;
 const RATE_TIME: f64 = 1.0;
 
 /// What is wanted, then what the scene's file asks for, then the defaults.
-pub(super) fn settings(
-    wanted: &Wanted,
-    scene: &Scene,
-    choose_backend: impl FnOnce(&str) -> Result<Backend>,
-) -> Result<Settings> {
-    let choice = &wanted.choice;
-    let asked = choice.technique.as_deref().map(Technique::parse).transpose()?;
-    let technique = Technique::of_scene(scene, asked)?;
-    let mut settings = Settings::new(scene, technique, choose_backend(&choice.backend)?);
-    settings.set_camera(scene, choice.camera.as_deref())?;
-    if let Some((width, height)) = choice.size {
-        (settings.width, settings.height) = (width, height);
-    }
-    let offered = settings.technique.row.samplers();
-    settings.sampler =
-        choice.sampler.filter(|own| offered.iter().any(|row| row.sampler == *own)).unwrap_or(settings.sampler);
-    settings.seed = choice.seed;
-    settings.max_depth = choice.max_depth.unwrap_or(settings.max_depth);
-    settings.rr_depth = choice.rr_depth.unwrap_or(settings.rr_depth);
-    match choice.layers {
+pub(super) fn settings(wanted: &Wanted, scene: &Scene, gpu: &Gpu) -> Result<Settings> {
+    let mut overrides = wanted.choice.overrides.clone();
+    let technique = Technique::of_scene(scene, overrides.technique()?)?;
+    // Another technique may have been chosen since, which does not offer the sampler.
+    overrides.sampler = overrides.sampler.filter(|own| technique.row.samplers().iter().any(|row| row.sampler == *own));
+    let mut settings = overrides.settle(scene, gpu)?;
+    match wanted.choice.layers {
         Layers::Nothing => {}
         Layers::Lengths(most) => settings.lengths = most,
-        Layers::Strategies(most) => {
-            let longest = settings.max_depth.map_or(most, |depth| depth.min(most));
-            settings.strategies = Some(Strategies::of(longest, scene.camera(choice.camera.as_deref())?));
-            settings.max_depth = Some(longest);
-        }
+        Layers::Strategies(most) => settings.show_strategies(scene, most)?,
     }
     // Whoever looks waits for the first picture: what makes kernels faster and takes longer to compile is left out.
     settings.expected_samples = 0;
-    settings.aovs = choice.has_aovs.then_some(AovSettings { through_specular: false });
+    settings.aovs = wanted.choice.has_aovs.then_some(AovSettings { through_specular: false });
     Ok(settings)
 }
 
 /// The index of the camera that is looked through.
 fn camera_index(scene: &Scene, wanted: &Wanted) -> Result<usize> {
-    let camera = scene.camera(wanted.choice.camera.as_deref())?;
+    let camera = scene.camera(wanted.choice.overrides.camera.as_deref())?;
     Ok(scene.cameras.iter().position(|own| std::ptr::eq(own, camera)).unwrap_or(0))
 }
 
