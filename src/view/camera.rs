@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use crate::scene::Camera;
+use crate::scene::camera::Projection;
 
 /// The nearest that the viewing direction comes to straight up or down, in radians.
 const POLE: f64 = 0.02;
@@ -20,6 +21,8 @@ pub struct Viewpoint {
     turned: DQuat,
     eye: DVec3,
     target: DVec3,
+    /// Width of what parallel rays see, over that of the scene's camera; 1 where rays begin at a point.
+    width: f64,
     /// Length of a step, in scene units.
     unit: f64,
 }
@@ -38,13 +41,15 @@ impl Viewpoint {
             turned: DQuat::IDENTITY,
             eye,
             target,
+            width: 1.0,
             unit: radius,
         }
     }
 
     /// The camera as it stands.
     pub fn camera(&self) -> Camera {
-        let matrix3 = DMat3::from_quat(self.turned) * self.start.to_world.matrix3;
+        let across = DMat3::from_diagonal(DVec3::new(self.width, self.width, 1.0));
+        let matrix3 = DMat3::from_quat(self.turned) * self.start.to_world.matrix3 * across;
         Camera { to_world: DAffine3 { matrix3, translation: self.eye }, ..self.start.clone() }
     }
 
@@ -53,6 +58,7 @@ impl Viewpoint {
         self.turned = DQuat::IDENTITY;
         self.eye = self.start.to_world.translation;
         self.target = self.start_target;
+        self.width = 1.0;
     }
 
     fn axis(&self, of: impl Fn(&DMat3) -> DVec3) -> DVec3 {
@@ -107,8 +113,13 @@ impl Viewpoint {
         self.target += by;
     }
 
-    /// Comes nearer to what it looks at: by a factor on the distance, which stays above a thousandth of the scene.
+    /// Comes nearer to what it looks at: by a factor on the distance, which stays above a thousandth of the scene. Parallel rays show the same
+    /// from any distance: of them it is a factor on the width of what they see.
     pub fn dolly(&mut self, factor: f64) {
+        if self.start.projection == Projection::Orthographic {
+            self.width = (self.width * factor).clamp(1e-3, 1e3);
+            return;
+        }
         let away = self.eye - self.target;
         let least = 1e-3 * self.unit / away.length().max(f64::MIN_POSITIVE);
         self.eye = self.target + away * factor.max(least);
@@ -193,6 +204,16 @@ mod tests {
         assert!(is_near(view.eye, DVec3::new(0.0, 1.0, 4.0)));
         view.dolly(0.0);
         assert!(view.eye.z > 1e-3);
+        view.reset();
+        view.start.projection = Projection::Orthographic;
+        let start = view.camera().to_world;
+        view.dolly(0.5);
+        let nearer = view.camera().to_world;
+        let half = DVec3::new(0.5, 0.5, 1.0);
+        assert!(
+            is_near(nearer.translation, start.translation)
+                && is_near(nearer.matrix3 * DVec3::ONE, start.matrix3 * half)
+        );
         view.reset();
         view.look(std::f64::consts::FRAC_PI_2, 0.0);
         assert!(

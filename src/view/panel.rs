@@ -89,27 +89,25 @@ fn short(number: f64) -> String {
     }
 }
 
+/// What is known of the picture; its rows are there before it is, so that what stands below them stays where it is.
 fn figures(ui: &mut Ui, state: &State) {
-    let Some(picture) = &state.news.picture else {
-        ui.label("no picture yet");
-        return;
-    };
+    let picture = state.news.picture.as_deref();
     Grid::new("figures").num_columns(2).spacing([12.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
+        let mut row = |name: &str, value: Option<String>| {
             ui.label(name);
-            ui.label(RichText::new(value).monospace());
+            ui.label(RichText::new(value.as_deref().unwrap_or("-")).monospace());
             ui.end_row();
         };
-        row("image", format!("{} x {}", picture.image.width, picture.image.height));
-        row("samples per pixel", format!("{:.1}", picture.spp));
-        row("samples per second", short(picture.rate));
-        row("seconds", format!("{:.1}", picture.seconds));
-        row("relMSE, estimated", estimate(picture));
-        if let Some(error) = picture.error {
-            row("relMSE, to reference", format!("{error:.3e}"));
+        row("image", picture.map(|own| format!("{} x {}", own.image.width, own.image.height)));
+        row("samples per pixel", picture.map(|own| format!("{:.1}", own.spp)));
+        row("samples per second", picture.map(|own| short(own.rate)));
+        row("seconds", picture.map(|own| format!("{:.1}", own.seconds)));
+        row("relMSE, estimated", picture.map(estimate));
+        if let Some(error) = picture.and_then(|own| own.error) {
+            row("relMSE, to reference", Some(format!("{error:.3e}")));
         }
-        if picture.nonfinite > 0 {
-            row("dropped samples", picture.nonfinite.to_string());
+        if let Some(dropped) = picture.map(|own| own.nonfinite).filter(|dropped| *dropped > 0) {
+            row("dropped samples", Some(dropped.to_string()));
         }
     });
 }

@@ -1,5 +1,7 @@
 //! What is rendered with: the technique with its parameters, and the settings.
 
+use std::ops::RangeInclusive;
+
 use egui::{ComboBox, DragValue, Grid, RichText, Ui};
 
 use super::WIDTH;
@@ -10,6 +12,8 @@ use crate::view::news::Facts;
 use crate::view::state::State;
 use crate::view::wanted::Layers;
 
+/// The largest limit that is offered.
+const MOST_DEPTH: f32 = 1024.0;
 /// Depth that a limit begins with.
 const FIRST_DEPTH: u32 = 8;
 
@@ -65,19 +69,25 @@ fn value_of(ui: &mut Ui, name: &str, values: &Values, value: &str) -> Option<Str
             chosen
         }
         Values::Number(least, most, _) => {
-            let id = ui.id().with(("draft", name));
             let known: f32 = value.parse().unwrap_or(*least);
-            let mut draft = ui.data(|data| data.get_temp(id)).unwrap_or(known);
-            let speed = (draft.abs() * 0.02).max((most - least).abs().min(1.0) * 0.005);
-            let response = ui.add(DragValue::new(&mut draft).range(*least..=*most).speed(speed));
-            if response.dragged() || response.has_focus() {
-                ui.data_mut(|data| data.insert_temp(id, draft));
-                return None;
-            }
-            ui.data_mut(|data| data.remove_temp::<f32>(id));
-            (draft != known).then(|| draft.to_string())
+            number(ui, name, *least..=*most, None, known).map(|changed| changed.to_string())
         }
     }
+}
+
+/// Asks for a number with at most so many decimals; another one, once the user is done with it.
+fn number(ui: &mut Ui, name: &str, range: RangeInclusive<f32>, decimals: Option<usize>, known: f32) -> Option<f32> {
+    let id = ui.id().with(("draft", name));
+    let mut draft = ui.data(|data| data.get_temp(id)).unwrap_or(known);
+    let whole = (range.end() - range.start()).abs().min(1.0);
+    let speed = (draft.abs() * 0.02).max(whole * 0.005);
+    let response = ui.add(DragValue::new(&mut draft).range(range).speed(speed).max_decimals_opt(decimals));
+    if response.dragged() || response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, draft));
+        return None;
+    }
+    ui.data_mut(|data| data.remove_temp::<f32>(id));
+    (draft != known).then_some(draft)
 }
 
 pub(super) fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
@@ -125,9 +135,8 @@ pub(super) fn settings(ui: &mut Ui, state: &mut State, facts: &Facts) {
                 }
                 (true, None) => depth = Some(FIRST_DEPTH),
                 (true, Some(known)) => {
-                    let range = Values::Number(0.0, 1024.0, 0.0);
-                    if let Some(changed) = value_of(ui, "depth", &range, &known.to_string()) {
-                        depth = changed.parse::<f32>().ok().map(|depth| depth.round() as u32);
+                    if let Some(changed) = number(ui, "depth", 0.0..=MOST_DEPTH, Some(0), known as f32) {
+                        depth = Some(changed.round() as u32);
                     }
                 }
             }
