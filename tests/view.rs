@@ -113,6 +113,13 @@ impl Viewer {
         let errors = std::io::read_to_string(self.process.0.stderr.take().unwrap()).unwrap();
         assert!(status.success() && errors.is_empty(), "{status}: {errors}");
     }
+
+    /// Waits for the end, which must be a failure. Returns what it says of that.
+    fn fails(mut self) -> String {
+        let status = self.process.0.wait().unwrap();
+        assert_eq!(status.code(), Some(1), "{status}");
+        std::io::read_to_string(self.process.0.stderr.take().unwrap()).unwrap()
+    }
 }
 
 /// The window, with the keyboard on it.
@@ -235,6 +242,24 @@ fn moved_cameras_see_what_others_see_there() {
             assert!(image(&mut moved) == before, "{technique}, back again");
         }
     });
+}
+
+/// A display that ends, and a window that something else destroys, end the program with one line.
+#[test]
+fn a_display_that_goes_away_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for what in ["the server ends", "the window is destroyed"] {
+        let Some(display) = Display::start() else { return };
+        let mut viewer = Viewer::start(&display, folder.path(), "-i path --size 64x64", &[]);
+        viewer.waits_for("picture of");
+        if what == "the server ends" {
+            drop(display);
+        } else {
+            display.user(&format!("windowclose {}", window(&display)));
+        }
+        let said = viewer.fails();
+        assert_eq!(said.trim(), "error: the display went away, or destroyed the window", "{what}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The window: its events, its frames, and what becomes of it when the device or its pixels go away.
 
+mod display_server;
 mod picture_texture;
 mod telling;
 
@@ -55,20 +56,10 @@ struct Wake;
 pub fn open(start: Start) -> Result<Vec<String>> {
     let began = Instant::now();
     let Start { wanted, validate, interrupted, tell } = start;
-    let no_display = |error: winit::error::EventLoopError| {
-        let why = match &error {
-            winit::error::EventLoopError::Os(_) if !has_display() => {
-                String::from("there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set)")
-            }
-            // Before its last part are places in the library's code.
-            other => other.to_string().rsplit(": ").next().unwrap_or_default().to_owned(),
-        };
-        Error::Device(format!("no window can be opened: {why}; `lumbre render` needs none"))
-    };
     draw_triangles();
     // Before anything else reads the environment on another thread.
     let of_worker = Instance::new(validate)?;
-    let events = EventLoop::<Wake>::with_user_event().build().map_err(no_display)?;
+    let events = EventLoop::<Wake>::with_user_event().build().map_err(display_server::refusal)?;
     let proxy = events.create_proxy();
     let wake = events.create_proxy();
     let worker = Worker::start(of_worker, wanted.clone(), move || {
@@ -91,17 +82,14 @@ pub fn open(start: Start) -> Result<Vec<String>> {
         failed: None,
         messages: Vec::new(),
     };
-    let ran = events.run_app(&mut viewer).map_err(no_display);
+    let ran = display_server::survive(|| events.run_app(&mut viewer));
+    if ran.is_err() {
+        // Nothing of a window can be closed that is not there any more.
+        std::mem::forget(viewer.there.take());
+    }
     viewer.close();
-    ran?;
+    ran?.map_err(display_server::refusal)?;
     viewer.failed.map_or(Ok(viewer.messages), Err)
-}
-
-/// Whether the environment names a display.
-fn has_display() -> bool {
-    ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"]
-        .iter()
-        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
 fn context(proxy: &EventLoopProxy<Wake>) -> egui::Context {
