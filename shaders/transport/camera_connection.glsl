@@ -2,6 +2,9 @@
 #include "transport/light_subpath.glsl"
 #include "core/splat.glsl"
 
+// Whether some light is seen by the camera: those without extent, and those infinitely far, do not meet it at the end of a segment.
+const bool HAS_SEEN_LIGHTS = HAS_TRIANGLE_LIGHTS || HAS_SPHERE_LIGHTS;
+
 // A vertex connected to a point of the camera, before its visibility is known.
 struct CameraConnection {
     vec3 contribution; // to its pixel; nothing where the camera does not see the vertex
@@ -25,7 +28,7 @@ CameraConnection no_camera_connection() {
 CameraConnection camera_connect_light(Path path, EmittedRay e, out float camera_a) {
     CameraConnection c = no_camera_connection();
     camera_a = 0.0;
-    if (HIDES_EMITTERS) return c;
+    if (HIDES_EMITTERS || !HAS_SEEN_LIGHTS) return c;
     LightView seen = light_view(e, path.random);
     if (!seen.visible) return c;
     camera_a = seen.camera.importance * seen.cosine / (seen.camera.distance2 * light_path_count());
@@ -64,6 +67,10 @@ void camera_splat(CameraConnection c, uint sample_index, uint s, inout uint rays
 // Splats the connections of the subpath's beginning and of the vertex that it has arrived at, in turns: the kernel traces such rays in one
 // place. The former counts once.
 void camera_splat_both(inout CameraConnection light, CameraConnection vertex, uint sample_index, uint s, inout uint rays) {
+    if (!HAS_SEEN_LIGHTS) {
+        if (vertex.contribution != vec3(0.0)) camera_splat(vertex, sample_index, s, rays);
+        return;
+    }
     for (uint turn = 0u; turn < turns(2u); turn++) {
         bool first = turn == 0u;
         CameraConnection c = vertex;
