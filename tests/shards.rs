@@ -152,6 +152,16 @@ fn what_does_not_belong_together_is_refused() {
     let said = fails(merge(folder, "s1.exr s2.exr s3.exr s4.exr -o merged"), 2);
     assert!(said.contains("no checkpoint can be made"), "{said}");
     assert!(!folder.join("merged.exr").exists() && !folder.join("merged").exists());
+    // A checkpoint has no name that promises something else.
+    for (output, expected) in [
+        ("merged.jpg", "merged.jpg: .jpg is the extension of an image; valid outputs of checkpoints are .exr and .png"),
+        ("merged.json", "merged.json: .json is the extension of JSON; valid outputs"),
+        ("merged.exr -o merged.exr", "merged.exr is to be two outputs"),
+    ] {
+        let said = fails(merge(folder, &format!("s1 s2 s3 s4 -o {output}")), 2);
+        assert!(said.contains(expected), "{output}: {said}");
+    }
+    assert!(!folder.join("merged.jpg").exists() && !folder.join("merged.json").exists());
     let said = fails(small(folder, "-n 256 --shard 1/5 --checkpoint f"), 2);
     assert!(said.contains("valid is N up to 4, or -n from 257 on"), "{said}");
     let said = fails(small(folder, "-n 256 --shard 1/4"), 2);

@@ -19,9 +19,10 @@ use std::time::Instant;
 
 use clap::Args;
 
+use lumbre::checkpoint::check_name;
 use lumbre::denoise::Denoiser;
 use lumbre::error::{Error, Result};
-use lumbre::files::{STANDARD_INPUT, check_writable, is_standard_output};
+use lumbre::files::{STANDARD_INPUT, check_writable};
 use lumbre::gpu::{Gpu, compile_quickly};
 use lumbre::image::{Format, format_of};
 use lumbre::render::{ErrorTarget, Renderer, Settings, Technique};
@@ -31,7 +32,7 @@ use lumbre::techniques::{AovSettings, Correlated, LONGEST, Shard, Strategies};
 
 use super::args::{DeviceArgs, SceneArgs, parse_positive};
 use super::interrupt::listen_for_interrupts;
-use super::output::{check_json, print_warnings, say, write_json};
+use super::output::{check_apart, check_json, destination, print_warnings, say, takes_standard_output, write_json};
 use super::settings::SettingsArgs;
 use about::About;
 use fireflies::Fireflies;
@@ -302,8 +303,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
-    let is_taken = |path: &Path| path == Path::new("-") || is_standard_output(path);
-    if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| is_taken(path)) {
+    if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| takes_standard_output(path)) {
         let written: Vec<&Path> = job.outputs.iter().map(PathBuf::as_path).chain(checkpoint).collect();
         report::print_summary(&result, &written, interrupted.load(Ordering::Relaxed));
     }
@@ -367,9 +367,7 @@ fn trace_command(args: &RenderArgs, settings: &Settings, x: u32, y: u32, sample:
 
 /// The outputs, each of which can be written.
 fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
-    let stdout = Path::new("/dev/stdout");
-    let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
-    let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
+    let mut outputs: Vec<PathBuf> = args.output.iter().map(|path| destination(path)).collect();
     let has_shard = args.checkpoint.is_some() || has_exr(&outputs);
     if args.shard.is_some() {
         if !has_shard {
@@ -386,9 +384,8 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
         format_of(path)?;
         check_writable(path)?;
     }
-    if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
-        return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
-    }
+    args.checkpoint.as_deref().map_or(Ok(()), check_name)?;
+    check_apart(outputs.iter().chain(&args.json).chain(&args.checkpoint).map(PathBuf::as_path))?;
     // The checkpoint of a shard keeps its layers.
     let is_lost = args.lengths.is_some() && args.shard.is_none();
     if !has_exr(&outputs) && (is_lost || !args.aov.is_empty()) {
