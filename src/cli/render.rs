@@ -96,7 +96,8 @@ pub(super) struct RenderArgs {
           conflicts_with_all = ["strategies", "shard", "resume"])]
     fireflies: u32,
 
-    /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that
+    /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that, and
+    /// has of -t what is left then
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     record: Option<PathBuf>,
 
@@ -197,7 +198,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         compile_quickly();
     }
     let gpu = args.device.open()?;
-    let (mut settings, job) = settle(args, &scene, &gpu, asked, outputs)?;
+    let (mut settings, mut job) = settle(args, &scene, &gpu, asked, outputs)?;
     if layers.is_empty() && has_exr(&job.outputs) {
         layers = layers::of_scene(&scene)?;
     }
@@ -250,10 +251,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let about = About::new(&scene, &gpu, &renderer);
     keeper.about(&about);
     if let Some(folder) = &args.record {
-        let written = record::record(&gpu, &mut renderer, folder).map_err(|error| keeper.explain(error))?;
-        if !args.quiet {
-            say!("wrote {written}");
-        }
+        let recorded = record::record(&gpu, &mut renderer, folder, &mut job, (&interrupted, args.quiet));
+        recorded.map_err(|error| keeper.explain(error))?;
     }
     let mut progress = Progress::new(args.quiet, &job);
     let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
@@ -395,7 +394,7 @@ fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     }
     check_json(args.json.as_deref())?;
     if let Some(folder) = &args.record {
-        std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
+        record::check_folder(folder)?;
     }
     Ok(outputs)
 }
