@@ -83,10 +83,13 @@ fn checkpoints(args: &MergeArgs, outputs: &[PathBuf]) -> Result<()> {
     }
     let mut merged = merge(&args.inputs)?;
     merged.notes.iter().for_each(|text| note(args, text));
-    let about: About = serde_json::from_value(merged.header.about.clone()).map_err(|error| {
-        Error::read(&args.inputs[0], format!("what it says of the settings cannot be read: {error}"))
-    })?;
-    let about = About { settings: about.settings.whole(), ..about };
+    let abouts: serde_json::Result<Vec<About>> =
+        std::mem::take(&mut merged.abouts).into_iter().map(serde_json::from_value).collect();
+    let unreadable = |cause: String| {
+        Error::read(&args.inputs[0], format!("what it or another shard says of the settings cannot be read: {cause}"))
+    };
+    let abouts = abouts.map_err(|error| unreadable(error.to_string()))?;
+    let about = About::whole(&abouts).ok_or_else(|| unreadable(String::from("there is none")))?;
     merged.header.about = serde_json::to_value(&about).unwrap_or_default();
     let figures = Figures { rays: merged.counted.rays, frames: merged.counted.seconds, rare: about.rare.clone() };
     let report = Report::of_film(about.settings, &merged.film, &figures);
