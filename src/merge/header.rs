@@ -168,7 +168,7 @@ mod tests {
             ("lumbre.peak_device_bytes", "300"),
             ("lumbre.rays", "17"),
             ("lumbre.samples_per_s", "48"),
-            ("lumbre.seconds", r#"{"load":3.5,"render":8.0}"#),
+            ("lumbre.seconds", r#"{"render":8.0,"load":3.5}"#),
             ("lumbre.seed", "3"),
             ("lumbre.shards", "3"),
             ("lumbre.spp", "192"),
