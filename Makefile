@@ -57,11 +57,15 @@ quick:
 	@$(CARGO) test --release --quiet --lib
 	@.ci/tests --test tests -- $$(sed 's/ *\#.*//' .ci/quick)
 
-# With the tests that take minutes each, which `make test` leaves out: two hours on two cores.
+# With the tests that take minutes each, which `make test` leaves out, and what other features need, shaders which
+# change while the window is open among it: two hours on two cores.
 thorough: export LUMBRE_TEST_THOROUGH = 1
 thorough:
 	@.ci/setup test
 	@.ci/tests --no-fail-fast -- --include-ignored --skip $(KNOWN)
+	$(CARGO) clippy --release --all-targets --no-default-features -- -D warnings
+	$(CARGO) clippy --release --all-targets --features hot-reload -- -D warnings
+	@.ci/tests --features hot-reload --test tests -- view::
 
 # Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
 bench: build

@@ -344,6 +344,66 @@ fn bad_commands_name_what_is_valid() {
     assert_eq!(files, 1, "nothing may be written by a command that is refused");
 }
 
+/// A name that promises another sort of file than what would be written to it is refused before any work, by every command that writes files; and so
+/// are two outputs of one name.
+#[test]
+fn names_of_outputs_say_what_they_hold() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let cornell = scene("cornell.xml");
+    let render = ["render", &cornell, "-o", "a.png"];
+    let cases: [(&[&str], &[&str], &str); 21] = [
+        (&render, &["--checkpoint", "out.jpg"], "out.jpg would be a checkpoint, and .jpg is the extension of an image"),
+        (&render, &["--checkpoint", "out.XML"], "valid is out.ckpt, or a name without extension"),
+        (&render, &["--checkpoint", "-"], "- is standard output, and a checkpoint is read again"),
+        (
+            &render,
+            &["--json", "out.exr"],
+            "out.exr would be JSON, and .exr is the extension of an image: valid is out.json",
+        ),
+        (&render, &["--json", "b.png"], "would be JSON"),
+        (&render, &["--record", "out.svg"], "out.svg would be a folder"),
+        (&render, &["-o", "a.png"], "a.png is to be two outputs"),
+        (&render, &["--json", "c", "--checkpoint", "c"], "c is to be two outputs"),
+        (&render, &["-o", "-", "--json", "-"], "standard output takes one output"),
+        (&["rays", &cornell], &["--export", "out.png"], "out.png would be triangles and rays"),
+        (&["rays", &cornell], &["--export", "-", "--json", "-"], "standard output takes one output"),
+        (&["trace", &cornell, "--pixel", "1,1"], &["--svg", "out.json"], "out.json would be an SVG"),
+        (&["trace", &cornell, "--pixel", "1,1"], &["--svg", "-", "--json", "-"], "standard output takes one output"),
+        (&["reference", &cornell], &["-o", "out.jpg"], "out.jpg: a reference is an .exr"),
+        (&["reference", &cornell], &["-o", "out.exr", "--json", "out.csv"], "out.csv would be JSON"),
+        (&["compare", "a.exr", "b.exr"], &["--heatmap", "-"], "-: a heat map is a .png"),
+        (&["compare", "a.exr", "b.exr"], &["--json", "out.png"], "out.png would be JSON"),
+        (&["info", &cornell], &["--json", "out.obj"], "out.obj would be JSON, and .obj is the extension of a scene"),
+        (&["verify", "--case", "output"], &["-o", "out.json"], "out.json would be a folder"),
+        (
+            &["bench", &cornell],
+            &["-o", "out.html"],
+            "out.html would be a folder, and .html is the extension of a document: valid is out",
+        ),
+        (&["man"], &["out.pdf"], "out.pdf would be a folder"),
+    ];
+    for (command, more, expected) in cases {
+        let said = fails(here, &[command, more].concat(), 2);
+        assert!(said.contains(expected), "{command:?} {more:?}: {said}");
+    }
+    assert_eq!(std::fs::read_dir(here).unwrap().count(), 0, "nothing may be written by a command that is refused");
+}
+
+/// What is written to standard output is all that is there.
+#[test]
+fn standard_output_takes_rays_and_plans() {
+    let folder = tempfile::tempdir().unwrap();
+    let cornell = scene("cornell.xml");
+    let rays = ["rays", &cornell, "--size", "8x8", "--repeats", "1", "--backend", "bvh", "--export"];
+    works(folder.path(), &[&rays[..], &["a.rays"]].concat());
+    let piped = lumbre(folder.path(), &[&rays[..], &["-"]].concat()).stdout;
+    assert!(piped == std::fs::read(folder.path().join("a.rays")).unwrap(), "{}", text(&piped));
+    let plan = works(folder.path(), &["trace", &cornell, "--size", "8x8", "--pixel", "4,4", "--svg", "-"]);
+    assert!(roxmltree::Document::parse(&plan).is_ok(), "{plan}");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
 /// Without a driver there is one clear line, not a crash.
 #[test]
 fn no_device_is_a_clear_error() {

@@ -1,11 +1,13 @@
 //! `render --record`: what one frame does on the device.
 
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use crate::common::program::{files, lumbre, render as command_of, signal, start, works};
+use crate::common::scene_path;
 use serde_json::Value;
 
-use crate::common::program::{lumbre, works};
-use crate::common::scene_path;
-
-fn render(folder: &std::path::Path, image: &str, more: &[&str]) {
+fn render(folder: &Path, image: &str, more: &[&str]) {
     let mut command = lumbre();
     command.current_dir(folder).arg("render").arg(scene_path("cornell.xml"));
     command
@@ -53,4 +55,55 @@ fn a_frame_is_written_down_command_by_command() {
     assert!(frame["buffers"].as_array().unwrap().iter().any(|buffer| buffer["name"] == "film"), "{text}");
     let picture = std::fs::read_to_string(folder.join("frame/frame.svg")).unwrap();
     assert!(roxmltree::Document::parse(&picture).is_ok() && picture.matches("<rect").count() > 6, "{picture}");
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// Seconds that the submissions of a recording took by the host's clock.
+fn recorded(folder: &Path) -> f64 {
+    let frame = json(&folder.join("frame/frame.json"));
+    frame["submissions"].as_array().unwrap().iter().map(|one| one["wall_s"].as_f64().unwrap()).sum()
+}
+
+/// What a recording takes is taken from the time that the rendering has; and Ctrl-C ends it with one line, and leaves neither a part of it nor an
+/// image.
+#[test]
+fn a_recording_counts_as_time_and_ends_when_it_is_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |side: u32, more: &str| {
+        let args = format!("-i bdpt --backend bvh --size {side}x{side} --record frame -o a.exr {more}");
+        command_of(folder, "cornell.xml", &args)
+    };
+    let seconds = 3.5;
+    works(run(512, &format!("-t {seconds} --json a.json")));
+    let took = recorded(folder);
+    let rendered = json(&folder.join("a.json"))["seconds"]["render"].as_f64().unwrap();
+    println!("{rendered:.2} s of rendering after {took:.2} s of recording, of {seconds} s");
+    // The last frame goes beyond the time, and each pixel has a sample however long that takes: where the recording was as short as a few frames,
+    // or longer than the time, it cannot be told apart.
+    let most = (seconds - 0.5 * took).max(1.5 * took);
+    assert!(rendered < most || took < 0.3, "{rendered} s of rendering after {took} s of recording, of {seconds} s");
+
+    for name in ["a.exr", "a.json", "frame/frame.json", "frame/frame.svg"] {
+        std::fs::remove_file(folder.join(name)).unwrap();
+    }
+    let mut child = start(run(768, "-n 1000"));
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.starts_with("recording") {
+        line.clear();
+        assert!(said.read_line(&mut line).unwrap() > 0, "it ended before it recorded");
+    }
+    signal(&child, "INT");
+    let mut rest = String::new();
+    said.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{rest}");
+    assert_eq!(
+        rest,
+        "error: interrupted: frame is as it was, for not every pixel had its sample; there is no image yet\n"
+    );
+    assert_eq!((files(folder), files(&folder.join("frame"))), (vec![String::from("frame")], Vec::new()));
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::common::has_time;
 use crate::common::program::{fails, figures, lumbre, render, start, wait_for, works};
 use lumbre::bench::results::Results;
+use lumbre::checkpoint::{self, Checkpoints};
 use lumbre::image::{Picture, read_picture};
 
 /// Samples of one run: the last block is not whole.
@@ -151,6 +152,16 @@ fn what_does_not_belong_together_is_refused() {
     assert!(said.contains("s1 is a checkpoint, and s2.exr an image"), "{said}");
     let said = fails(merge(folder, "s1.exr s2.exr s3.exr s4.exr -o merged"), 2);
     assert!(said.contains("no checkpoint can be made"), "{said}");
+    // A checkpoint has no name that promises something else.
+    for (output, expected) in [
+        ("merged.jpg", "merged.jpg: .jpg is the extension of an image; valid outputs of checkpoints are .exr and .png"),
+        ("merged.json", "merged.json: .json is the extension of JSON; valid outputs"),
+        ("merged.exr -o merged.exr", "merged.exr is to be two outputs"),
+    ] {
+        let said = fails(merge(folder, &format!("s1 s2 s3 s4 -o {output}")), 2);
+        assert!(said.contains(expected), "{output}: {said}");
+    }
+    assert!(!folder.join("merged.jpg").exists() && !folder.join("merged.json").exists());
     assert!(!folder.join("merged.exr").exists() && !folder.join("merged").exists());
     let said = fails(small(folder, "-n 256 --shard 1/5 --checkpoint f"), 2);
     assert!(said.contains("valid is N up to 4, or -n from 257 on"), "{said}");
@@ -192,6 +203,62 @@ fn images_merge_by_their_samples() {
     assert!(objects(&merged) == objects(&read_picture(&folder.join("s1.exr")).unwrap()), "numbers have no mean");
     let find = |name: &str| merged.header.iter().find(|(own, _)| own == name).map(|(_, value)| value.as_str());
     assert_eq!((find("lumbre.spp"), find("lumbre.shard"), find("lumbre.identity")), (Some("256"), None, None));
+    // What is said of the whole is true of it.
+    let all = [1, 2, 3].map(|number| attributes(&folder.join(format!("s{number}.exr"))));
+    let whole = attributes(&folder.join("merged.exr"));
+    assert_eq!(whole["shards"], 3);
+    let sum = |of: fn(&Attributes) -> f64| all.iter().map(of).sum::<f64>();
+    assert_eq!(whole["rays"].as_f64(), Some(sum(|one| one["rays"].as_f64().unwrap())));
+    for part in ["load", "render", "total"] {
+        let total: f64 = all.iter().map(|one| one["seconds"][part].as_f64().unwrap()).sum();
+        assert!((whole["seconds"][part].as_f64().unwrap() - total).abs() < 1e-9, "{part}");
+    }
+    let most = all.iter().map(|one| one["peak_device_bytes"].as_u64().unwrap()).max();
+    assert_eq!(whole["peak_device_bytes"].as_u64(), most);
+    let mean = |index: usize| whole["mean"][index].as_f64().unwrap();
+    assert!((0..3).all(|index| (mean(index) - merged.image.average()[index]).abs() < 1e-9));
+    for name in ["device", "driver", "seed", "kernels", "sampler", "object_names"] {
+        assert_eq!(whole[name], all[0][name], "{name}");
+    }
+    assert!(!whole.contains_key("estimated_relmse"), "that of a shard is not that of the whole");
+}
+
+/// What an image's header says, by the name without its prefix.
+type Attributes = serde_json::Map<String, serde_json::Value>;
+
+fn attributes(path: &Path) -> Attributes {
+    let of = |(name, text): (String, String)| {
+        let value = serde_json::from_str(&text).unwrap_or(serde_json::Value::String(text));
+        (name.trim_start_matches("lumbre.").to_owned(), value)
+    };
+    read_picture(path).unwrap().header.into_iter().map(of).collect()
+}
+
+/// The image of checkpoints says on which devices they were rendered, how many they are, and nothing that only one of them knows.
+#[test]
+fn merged_checkpoints_name_all_devices() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for number in 1..=3 {
+        works(small(folder, &format!("-n 192 --shard {number}/3 --checkpoint s{number} -o s{number}.exr")));
+    }
+    // The second as if it came from elsewhere.
+    let (mut header, mut saved, state) = checkpoint::read(&folder.join("s2")).unwrap();
+    let device = header.about["settings"]["device"].as_str().unwrap().to_owned();
+    let identity = serde_json::to_string(&header.identity).unwrap().replace(&device, "another");
+    header.identity = serde_json::from_str(&identity).unwrap();
+    header.about["settings"]["device"] = "another".into();
+    Checkpoints::open(&folder.join("moved")).unwrap().save_film(&header, &mut saved, &state).unwrap();
+    let said = works(merge(folder, "s3 moved s1 -o merged.exr"));
+    assert!(said.contains("shards are of different devices"), "{said}");
+    let whole = attributes(&folder.join("merged.exr"));
+    assert_eq!(whole["device"].as_str(), Some(format!("{device}; another").as_str()));
+    assert_eq!((&whole["shards"], whole.get("shard"), whole.get("peak_device_bytes")), (&3.into(), None, None));
+    let all = [1, 2, 3].map(|number| attributes(&folder.join(format!("s{number}.exr"))));
+    let total: f64 = all.iter().map(|one| one["seconds"]["render"].as_f64().unwrap()).sum();
+    assert!((whole["seconds"]["render"].as_f64().unwrap() - total).abs() < 1e-6 * total, "{:?}", whole["seconds"]);
+    assert!(whole["seconds"].get("load").is_none(), "{:?}", whole["seconds"]);
+    assert_eq!((&whole["driver"], &whole["kernels"]), (&all[0]["driver"], &all[0]["kernels"]));
 }
 
 /// Chains are a shard's own: the merged image is that of one run within what their brightness is known to, it is said, and there is no checkpoint.

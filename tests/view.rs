@@ -72,6 +72,7 @@ struct Viewer {
 }
 
 impl Viewer {
+    /// `lumbre view` of the Cornell box in `folder`.
     fn start(display: &Display, folder: &Path, args: &str, environment: &[(&str, &str)]) -> Self {
         let mut command = lumbre();
         command.arg("view").arg(scene_path("cornell.xml")).args(args.split(' ')).args(["--verbose", "--validate"]);
@@ -212,6 +213,66 @@ fn dropped_scenes_are_opened() {
     drop_file(&display.name, window, &sound);
     viewer.waits_for(&format!("picture of {}", sound.display()));
     display.user("key --delay 50 q");
+    viewer.ends();
+}
+
+/// Copies a folder with all that is in it.
+#[cfg(feature = "hot-reload")]
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap) {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &target);
+        } else {
+            std::fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// A shader with a mistake is told with file and line, over a window that goes on as it was; one that is right again makes a new picture.
+#[test]
+#[cfg(feature = "hot-reload")]
+fn changed_shaders_are_taken_while_the_window_is_open() {
+    let Some(display) = Display::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    copy_folder(&Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders"), &at("shaders"));
+    let file = at("shaders/materials/diffuse.glsl");
+    let sound = std::fs::read_to_string(&file).unwrap();
+    let args = "-i path --backend bvh --size 24x16 -n 4 --shaders shaders";
+    let mut viewer = Viewer::start(&display, folder.path(), args, &[]);
+    viewer.waits_for("done: 4 spp");
+    window(&display);
+    let screenshot = |viewer: &mut Viewer, number: u32| {
+        display.user("key --delay 50 p");
+        let name = format!("cornell-view-{number:03}.exr");
+        viewer.waits_for(&format!("wrote cornell-view-{number:03}.png, {name}"));
+        read_image(&at(&name)).unwrap()
+    };
+    let before = screenshot(&mut viewer, 1);
+
+    std::fs::write(&file, format!("{sound}float broken = nothing_of_that_name;\n")).unwrap();
+    let place = format!("shaders: shaders/materials/diffuse.glsl:{}: error: ", sound.lines().count() + 1);
+    let said = viewer.waits_for(&place);
+    assert!(said.contains("nothing_of_that_name"), "{said}");
+    assert!(screenshot(&mut viewer, 2) == before, "the picture is another one, of shaders that do not compile");
+
+    // Half of the light is lost at each diffuse surface.
+    std::fs::write(&file, sound.replace("return m.reflectance *", "return 0.5 * m.reflectance *")).unwrap();
+    let said = viewer.waits_for("picture of ");
+    assert!(said.contains(" on bvh with changed shaders, "), "{said}");
+    viewer.waits_for("done: 4 spp");
+    let after = screenshot(&mut viewer, 3);
+    let mean = |image: &lumbre::image::Image| image.average().iter().sum::<f64>();
+    assert!(mean(&after) < 0.95 * mean(&before), "{} after {}", mean(&after), mean(&before));
+
+    // The text of the beginning makes the picture of the beginning.
+    std::fs::write(&file, sound).unwrap();
+    viewer.waits_for("picture of ");
+    viewer.waits_for("done: 4 spp");
+    assert!(screenshot(&mut viewer, 4) == before);
+    display.user("key q");
     viewer.ends();
 }
 

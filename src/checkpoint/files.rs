@@ -9,7 +9,7 @@ use super::format::{self, Header, Save};
 use super::identity::Identity;
 use super::lock::Lock;
 use crate::error::{Error, Result};
-use crate::files::{check_writable, file_behind, folder_of, inherit};
+use crate::files::{STANDARD_INPUT, check_promise, check_writable, file_behind, folder_of, inherit};
 use crate::render::{Renderer, SavedFilm};
 
 /// The checkpoints of one rendering: `FILE`, and as `FILE.previous` the one before it. While one is written it is `FILE.partial`; and
@@ -35,6 +35,7 @@ pub struct Found {
 impl Checkpoints {
     /// Takes hold of `path`. Fails where no file can be made beside it, and where another process has it.
     pub fn open(path: &Path) -> Result<Self> {
+        check_name(path)?;
         let refused = |cause| Error::Usage(format!("cannot write {}: {cause}", path.display()));
         let path = file_behind(path).map_err(refused)?;
         check_writable(&path)?;
@@ -141,6 +142,16 @@ pub fn read(path: &Path) -> Result<(Header, SavedFilm, Vec<u8>)> {
 /// Reads the header of a checkpoint, which must be whole.
 pub fn read_header(path: &Path) -> Result<Header> {
     format::read_header(path).map_err(|cause| Error::read(path, cause))
+}
+
+/// Fails where the name of a checkpoint is that of another sort of file, or of standard output.
+pub fn check_name(path: &Path) -> Result<()> {
+    if path == Path::new(STANDARD_INPUT) {
+        return Err(Error::Usage(String::from(
+            "- is standard output, and a checkpoint is read again: valid is the name of a file",
+        )));
+    }
+    check_promise(path, "a checkpoint", "ckpt")
 }
 
 /// Whether a file begins as a checkpoint does.

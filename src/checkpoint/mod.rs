@@ -7,6 +7,6 @@ mod format;
 mod identity;
 mod lock;
 
-pub use files::{Checkpoints, Found, is_checkpoint, read, read_header};
+pub use files::{Checkpoints, Found, check_name, is_checkpoint, read, read_header};
 pub use format::Header;
 pub use identity::Identity;

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use lumbre::error::{Error, Result};
+use lumbre::error::Result;
 use lumbre::files::check_writable;
 use lumbre::image::metrics::{Comparison, compare, heat_map, heat_scale, same_size};
-use lumbre::image::{Format, Picture, format_of, read_image, write_picture};
+use lumbre::image::{Format, Picture, check_format, read_image, write_picture};
 use lumbre::reference::{Certificate, Truth, read, read_certificate};
 
-use super::output::{print, write_json};
+use super::output::{check_apart, check_json, print, write_json};
 
 #[derive(Args)]
 pub(super) struct CompareArgs {
@@ -59,11 +59,11 @@ impl Known {
 
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
     if let Some(path) = &args.heatmap {
-        if format_of(path)? != Format::Png {
-            return Err(Error::Usage(format!("{}: a heat map is a .png", path.display())));
-        }
+        check_format(path, "a heat map", Format::Png)?;
         check_writable(path)?;
     }
+    check_json(args.json.as_deref())?;
+    check_apart(args.heatmap.iter().chain(&args.json).map(PathBuf::as_path))?;
     let (image, reference) = (read_image(&args.image)?, read_image(&args.reference)?);
     same_size(&image, &reference)?;
     let compared = compare(&image, &reference)?;

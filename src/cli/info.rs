@@ -4,7 +4,7 @@ mod census;
 mod missing;
 mod sampling;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
@@ -16,7 +16,7 @@ use lumbre::scene::Scene;
 use lumbre::techniques::TECHNIQUES;
 
 use super::args::{DeviceArgs, SceneArgs, parse_size};
-use super::output::{check_json, print, print_warnings, say, write_json};
+use super::output::{check_json, print, print_warnings, say, takes_standard_output, write_json};
 use census::{Census, Memory};
 use sampling::Sampling;
 
@@ -96,7 +96,7 @@ pub(super) fn run(args: &InfoArgs) -> Result<()> {
     if let Some(path) = &args.json {
         write_json(path, &census)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
+    if !args.json.as_deref().is_some_and(takes_standard_output) {
         print_census(&census);
     }
     gpu.map_or(Ok(()), |gpu| DeviceArgs::report_validation(&gpu))

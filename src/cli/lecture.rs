@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use clap::Args;
 
 use lumbre::error::{Error, Result};
-use lumbre::files::check_writable;
+use lumbre::files::{check_folder_name, check_writable};
 use lumbre::lecture::{Circumstances, Lab, Place, Scale, choose, write};
 
 use super::args::DeviceArgs;
@@ -68,6 +68,7 @@ pub(super) fn run(args: &LectureArgs) -> Result<()> {
         let folder = args.scenes.display();
         return Err(Error::Usage(format!("there is no folder {folder}: --scenes says where lumbre's scenes are")));
     }
+    check_folder_name(&args.output)?;
     std::fs::create_dir_all(&args.output).map_err(|error| Error::write(&args.output, error))?;
     check_writable(&args.output.join("index.html")).map_err(|error| Error::write(&args.output, error))?;
     let (device, device_id) = {

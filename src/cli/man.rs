@@ -7,7 +7,7 @@ use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
 use lumbre::error::{Error, Result};
-use lumbre::files::replace_by;
+use lumbre::files::{check_folder_name, replace_by};
 
 use super::known::command;
 
@@ -22,6 +22,7 @@ pub(super) struct ManArgs {
 }
 
 pub(super) fn run(args: &ManArgs) -> Result<()> {
+    check_folder_name(&args.folder)?;
     std::fs::create_dir_all(&args.folder).map_err(|error| Error::write(&args.folder, error))?;
     for (name, page) in pages().map_err(|error| Error::write(&args.folder, error))? {
         replace_by(&args.folder.join(name), &page)?;

@@ -1,14 +1,14 @@
 //! What sub-commands write to the user: text, warnings, JSON, a bar.
 
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use lumbre::error::{Error, Result};
-use lumbre::files::{check_writable, replace_file};
+use lumbre::files::{STANDARD_INPUT, check_promise, check_writable, is_standard_output, replace_file};
 use lumbre::scene::Scene;
 
 /// Why standard output could not be written, the first time.
@@ -48,15 +48,53 @@ pub(super) fn print_warnings(scene: &Scene) {
     }
 }
 
-/// Fails where the JSON that was asked for could not be written.
+/// Fails where the JSON that was asked for could not be written, or its name is that of another sort of file.
 pub(super) fn check_json(path: Option<&Path>) -> Result<()> {
-    path.filter(|path| *path != Path::new("-")).map_or(Ok(()), check_writable)
+    check_file(path, "JSON", "json")
+}
+
+/// Fails where a file that holds this, and may end in `.own`, could not be written, or its name is that of another sort of file.
+pub(super) fn check_file(path: Option<&Path>, holds: &str, own: &str) -> Result<()> {
+    let Some(path) = path.filter(|path| !is_dash(path)) else { return Ok(()) };
+    check_promise(path, holds, own)?;
+    check_writable(path)
+}
+
+/// Whether an output is named `-`, which stands for standard output.
+fn is_dash(path: &Path) -> bool {
+    path == Path::new(STANDARD_INPUT)
+}
+
+/// The file to write to where an output is named so: `-` is standard output.
+pub(super) fn destination(path: &Path) -> PathBuf {
+    if is_dash(path) { PathBuf::from("/dev/stdout") } else { path.to_owned() }
+}
+
+/// Whether an output goes to standard output, which then holds nothing else.
+pub(super) fn takes_standard_output(path: &Path) -> bool {
+    is_dash(path) || is_standard_output(path)
+}
+
+/// Fails where two outputs are one file, or both go to standard output.
+pub(super) fn check_apart<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let mut seen: Vec<&Path> = Vec::new();
+    for path in outputs {
+        if takes_standard_output(path) && seen.iter().any(|other| takes_standard_output(other)) {
+            let message = "standard output takes one output, and two are to go there: give the other a file";
+            return Err(Error::Usage(String::from(message)));
+        }
+        if seen.contains(&path) {
+            return Err(Error::Usage(format!("{} is to be two outputs: give each its own file", path.display())));
+        }
+        seen.push(path);
+    }
+    Ok(())
 }
 
 /// Writes a value as JSON to a file, or to standard output where the path is `-`.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Error::write(path, error))?;
-    if path == Path::new("-") {
+    if is_dash(path) {
         print(&text);
         return finish();
     }

@@ -1,16 +1,17 @@
 //! `lumbre rays`: raw throughput by kind of ray.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use lumbre::error::{Bytes, Error, Result};
-use lumbre::files::check_writable;
 use lumbre::layout::backend::{BACKENDS, Backend};
 use lumbre::rays::{Measurement, PerRay, export, make, measure, settings};
 
 use super::args::{DeviceArgs, SceneArgs, parse_size};
-use super::output::{check_json, print, print_warnings, write_json};
+use super::output::{
+    check_apart, check_file, check_json, destination, print, print_warnings, takes_standard_output, write_json,
+};
 
 #[derive(Args)]
 pub(super) struct RaysArgs {
@@ -30,7 +31,7 @@ pub(super) struct RaysArgs {
     repeats: u32,
 
     /// Write the triangles and the rays as well, for other ray tracers to be measured with
-    /// (benches/against_embree.py)
+    /// (benches/against_embree.py); '-' is standard output, without the table then
     #[arg(long, value_name = "FILE")]
     export: Option<PathBuf>,
 
@@ -44,7 +45,8 @@ pub(super) struct RaysArgs {
 
 pub(super) fn run(args: &RaysArgs) -> Result<()> {
     check_json(args.json.as_deref())?;
-    args.export.as_deref().map_or(Ok(()), check_writable)?;
+    check_file(args.export.as_deref(), "triangles and rays", "rays")?;
+    check_apart(args.export.iter().chain(&args.json).map(PathBuf::as_path))?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
     let gpu = args.device.open()?;
@@ -59,13 +61,13 @@ pub(super) fn run(args: &RaysArgs) -> Result<()> {
     let first = backends.first().copied().unwrap_or(Backend::Bvh);
     let kinds = make(&gpu, &scene, &settings(&scene, first, args.size)?)?;
     if let Some(path) = &args.export {
-        export(&scene, &kinds, path)?;
+        export(&scene, &kinds, &destination(path))?;
     }
     let found = measure(&gpu, &scene, &backends, args.size, &kinds, args.repeats as usize)?;
     if let Some(path) = &args.json {
         write_json(path, &found)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
+    if !args.export.iter().chain(&args.json).any(|path| takes_standard_output(path)) {
         print_table(&found);
     }
     DeviceArgs::report_validation(&gpu)

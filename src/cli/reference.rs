@@ -1,6 +1,6 @@
 //! `lumbre reference`: an image that stands for the truth, with what is known of it; or a check of one.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
@@ -9,14 +9,17 @@ use indicatif::ProgressBar;
 
 use lumbre::error::{Error, Result};
 use lumbre::files::check_writable;
-use lumbre::image::{Format, format_of};
+use lumbre::image::{Format, check_format};
 use lumbre::reference::{self, Budget, Certificate, Request, Step, Truth};
 use lumbre::render::{Settings, Technique};
 use lumbre::techniques::Solves;
 
 use super::args::{Depth, DeviceArgs, SceneArgs, parse_depth, parse_positive, parse_size};
 use super::interrupt::listen_for_interrupts;
-use super::output::{bar_on_terminal, check_json, print, print_warnings, say, write_json};
+use super::output::{
+    bar_on_terminal, check_apart, check_json, destination, print, print_warnings, say, takes_standard_output,
+    write_json,
+};
 
 /// Seconds between two lines of progress where standard error is no terminal.
 const INTERVAL: f64 = 10.0;
@@ -68,13 +71,13 @@ pub(super) struct ReferenceArgs {
 
 pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
     let interrupted = listen_for_interrupts();
-    if let Some(path) = &args.output {
-        if format_of(path)? != Format::Exr {
-            return Err(Error::Usage(format!("{}: a reference is an .exr", path.display())));
-        }
+    let output = args.output.as_deref().map(destination);
+    if let Some(path) = &output {
+        check_format(path, "a reference", Format::Exr)?;
         check_writable(path)?;
     }
     check_json(args.json.as_deref())?;
+    check_apart(args.output.iter().chain(&args.json).map(PathBuf::as_path))?;
     let scene = args.scene.load()?;
     if !args.quiet {
         print_warnings(&scene);
@@ -109,7 +112,7 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
         progress.hear(&step);
         Ok(())
     };
-    let truth = match (&given, &args.output) {
+    let truth = match (&given, &output) {
         (Some(given), output) => {
             let checked = reference::check(&request, given, &mut hear)?;
             if let Some(path) = output {
@@ -125,14 +128,11 @@ pub(super) fn run(args: &ReferenceArgs) -> Result<()> {
     if let (Some(path), Some(certificate)) = (&args.json, certificate) {
         write_json(path, certificate)?;
     }
-    let json_is_shown = args.json.as_deref().is_some_and(|path| path == Path::new("-"));
-    if let (false, false, Some(certificate)) = (args.quiet, json_is_shown, certificate) {
+    let is_silent = args.quiet || args.json.iter().chain(&args.output).any(|path| takes_standard_output(path));
+    if let (false, Some(certificate)) = (is_silent, certificate) {
         print_certificate(certificate);
     }
-    if !args.quiet
-        && !json_is_shown
-        && let Some(path) = &args.output
-    {
+    if let (false, Some(path)) = (is_silent, &args.output) {
         print(&format!("wrote      {}", path.display()));
     }
     DeviceArgs::report_validation(&gpu)?;

@@ -23,13 +23,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use lumbre::error::Result;
-use lumbre::files::is_standard_output;
 use lumbre::gpu::compile_quickly;
 use lumbre::render::{ErrorTarget, Renderer};
 
 use super::args::DeviceArgs;
 use super::interrupt::listen_for_interrupts;
-use super::output::{print_warnings, say, write_json};
+use super::output::{print_warnings, say, takes_standard_output, write_json};
 use about::About;
 pub(super) use args::RenderArgs;
 use extras::Extras;
@@ -61,7 +60,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         compile_quickly();
     }
     let gpu = args.device.open()?;
-    let (mut settings, job) = settle::settle(args, &scene, &gpu, outputs)?;
+    let (mut settings, mut job) = settle::settle(args, &scene, &gpu, outputs)?;
     let extras = Extras::settle(args, layers, &scene, &job.outputs, &mut settings)?;
     if !args.quiet {
         warnings::say_all(&scene, camera, &settings, args.error.is_some());
@@ -79,10 +78,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let about = About::new(&scene, &gpu, &renderer);
     keeper.about(&about);
     if let Some(folder) = &args.record {
-        let written = record::record(&gpu, &mut renderer, folder).map_err(|error| keeper.explain(error))?;
-        if !args.quiet {
-            say!("wrote {written}");
-        }
+        let recorded = record::record(&gpu, &mut renderer, folder, &mut job, (&interrupted, args.quiet));
+        recorded.map_err(|error| keeper.explain(error))?;
     }
     let mut progress = Progress::new(args.quiet, &job);
     let mut fireflies = Fireflies::new(args.fireflies, &mut renderer)?;
@@ -120,8 +117,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(path) = &args.json {
         write_json(path, &result)?;
     }
-    let is_taken = |path: &Path| path == Path::new("-") || is_standard_output(path);
-    if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| is_taken(path)) {
+    if !args.quiet && !args.json.iter().chain(&job.outputs).any(|path| takes_standard_output(path)) {
         let written: Vec<&Path> = job.outputs.iter().map(PathBuf::as_path).chain(checkpoint).collect();
         report::print_summary(&result, &written, interrupted.load(Ordering::Relaxed));
     }

@@ -1,16 +1,18 @@
 //! `lumbre trace`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use lumbre::error::Result;
-use lumbre::files::{check_writable, replace_by};
+use lumbre::files::replace_by;
 use lumbre::gpu::compile_quickly;
 use lumbre::trace::{MOST_SAMPLES, Request, svg, text, trace, trace_brightest};
 
 use super::args::{DeviceArgs, SceneArgs};
-use super::output::{check_json, print, print_warnings, say, write_json};
+use super::output::{
+    check_apart, check_file, check_json, destination, print, print_warnings, say, takes_standard_output, write_json,
+};
 use super::settings::SettingsArgs;
 
 #[derive(Args)]
@@ -37,7 +39,7 @@ pub(super) struct TraceArgs {
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 
-    /// Draw the scene in plan with the paths in it
+    /// Draw the scene in plan with the paths in it ('-' is standard output, instead of the text)
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 
@@ -54,7 +56,8 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
     let overrides = args.settings.overrides();
     overrides.check()?;
     check_json(args.json.as_deref())?;
-    args.svg.as_deref().map_or(Ok(()), check_writable)?;
+    check_file(args.svg.as_deref(), "an SVG", "svg")?;
+    check_apart(args.svg.iter().chain(&args.json).map(PathBuf::as_path))?;
     let scene = args.scene.load()?;
     print_warnings(&scene);
     // One sample: what compiling well takes would never come back.
@@ -67,13 +70,13 @@ pub(super) fn run(args: &TraceArgs) -> Result<()> {
         None => trace(&gpu, &scene, &settings, Request { x, y, sample: args.sample })?,
     };
     if let Some(path) = &args.svg {
-        replace_by(path, svg(&scene, &traced, args.settings.camera.as_deref())?.as_bytes())?;
+        replace_by(&destination(path), svg(&scene, &traced, args.settings.camera.as_deref())?.as_bytes())?;
         say!("wrote {}", path.display());
     }
     if let Some(path) = &args.json {
         write_json(path, &traced)?;
     }
-    if args.json.as_deref() != Some(Path::new("-")) {
+    if !args.svg.iter().chain(&args.json).any(|path| takes_standard_output(path)) {
         print(text(&traced).trim_end());
     }
     DeviceArgs::report_validation(&gpu)

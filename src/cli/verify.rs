@@ -7,13 +7,13 @@ use clap::Args;
 use serde::Serialize;
 
 use lumbre::error::{Error, Result};
-use lumbre::files::check_writable;
+use lumbre::files::{check_folder_name, check_writable};
 use lumbre::layout::backend::Backend;
 use lumbre::verify::{CASES, Case, Effort, Figure, On, Outcome, Verdict, backends_of, find, measure_all};
 
 use super::args::DeviceArgs;
 use super::markdown::{Table, code};
-use super::output::{print, write_json};
+use super::output::{check_json, print, takes_standard_output, write_json};
 
 /// Characters of a figure's description in the table.
 const WIDTH: usize = 72;
@@ -66,6 +66,8 @@ struct Report<'a> {
 }
 
 pub(super) fn run(args: &VerifyArgs) -> Result<()> {
+    check_json(args.json.as_deref())?;
+    args.output.as_deref().map_or(Ok(()), check_folder_name)?;
     if args.list {
         if args.markdown {
             print(table().trim_end());
@@ -76,10 +78,7 @@ pub(super) fn run(args: &VerifyArgs) -> Result<()> {
     }
     let named = args.case.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
     let cases: Vec<&'static Case> = if named.is_empty() { CASES.iter().collect() } else { named };
-    let stdout = args.json.as_deref() == Some(Path::new("-"));
-    if let Some(path) = args.json.as_deref().filter(|_| !stdout) {
-        check_writable(path)?;
-    }
+    let stdout = args.json.as_deref().is_some_and(takes_standard_output);
     let gpu = args.device.open()?;
     let mut backends: Vec<Backend> = if args.backend.is_empty() {
         backends_of(&gpu)

@@ -2,12 +2,14 @@
 
 mod destination;
 pub(crate) mod lock;
+mod promise;
 mod read;
 mod replace;
 mod standard_input;
 
 pub use destination::is_standard_output;
 pub(crate) use destination::{file_behind, folder_of, is_stream};
+pub use promise::{check_folder_name, check_promise, promise_of};
 pub(crate) use read::{DEFLATE_RATIO, FILE_BYTES, open, read_bytes, read_text};
 pub(crate) use replace::inherit;
 pub use replace::{WriteSeek, check_writable, replace_by, replace_file};

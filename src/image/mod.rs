@@ -13,7 +13,7 @@ mod texels;
 pub use decode::{Encoding, decode_texture, read_texture};
 pub use exr::{read_attribute, read_layer, read_picture};
 pub use file::{read_image, write_picture};
-pub use picture::{Format, NamedLayer, Picture, format_of};
+pub use picture::{Format, NamedLayer, Picture, check_format, format_of};
 pub(crate) use png::png_of;
 pub use srgb::{srgb_byte, srgb_table, srgb_to_linear};
 pub use texels::{Texels, TextureImage};

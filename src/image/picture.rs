@@ -47,6 +47,18 @@ pub struct Picture {
     pub header: Vec<(String, String)>,
 }
 
+/// Fails where a file name does not ask for the only format that `what` is written in.
+pub fn check_format(path: &Path, what: &str, format: Format) -> Result<()> {
+    if format_of(path).is_ok_and(|own| own == format) {
+        return Ok(());
+    }
+    let extension = match format {
+        Format::Exr => "an .exr",
+        Format::Png => "a .png",
+    };
+    Err(Error::Usage(format!("{}: {what} is {extension}", path.display())))
+}
+
 /// The format that a file name asks for. Devices and pipes, whose names nobody chooses, get EXR.
 pub fn format_of(path: &Path) -> Result<Format> {
     match path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).as_deref() {

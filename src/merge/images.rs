@@ -2,38 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use super::header;
 use super::order::{Part, put_in_order};
 use crate::checkpoint::Identity;
 use crate::error::{Error, Result};
 use crate::image::{Image, Picture, read_picture};
 use crate::techniques::Shard;
 
-/// What an attribute of lumbre begins with.
-const PREFIX: &str = "lumbre.";
 /// The attribute that holds what was rendered, as JSON.
 const IDENTITY: &str = "lumbre.identity";
 /// The attribute that holds which share of the samples it is, as JSON.
 const SHARE: &str = "lumbre.share";
-/// Attributes that are of one image: those of the merged one are made anew, or left out.
-const OWN: [&str; 16] = [
-    "identity",
-    "share",
-    "shard",
-    "spp",
-    "rays",
-    "seconds",
-    "mrays_per_s",
-    "samples_per_s",
-    "nonfinite",
-    "nonfinite_at",
-    "mean",
-    "estimated_relmse",
-    "estimate_doubt",
-    "brightness",
-    "peak_device_bytes",
-    "patches",
-];
-
 /// What the header of a shard's image says beside its settings.
 pub fn header(shard: Shard, identity: &Identity) -> [(String, String); 2] {
     let json = |value: serde_json::Result<String>| value.unwrap_or_default();
@@ -70,8 +49,9 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Picture, bool)> {
             )));
         }
     }
-    let mut merged = Picture { header: merged_header(&pictures), ..(*first).clone() };
-    merged.image = mean(&pictures, 1, |picture| &picture.image);
+    let image = mean(&pictures, 1, |picture| &picture.image);
+    let headers: Vec<&[(String, String)]> = pictures.iter().map(|(_, picture)| picture.header.as_slice()).collect();
+    let mut merged = Picture { header: header::merged(&headers, &image), image, layers: first.layers.clone() };
     for (index, layer) in merged.layers.iter_mut().enumerate() {
         let of = |picture: &'_ Picture| picture.layers[index].image.clone();
         let images: Vec<(f64, Image)> = pictures.iter().map(|(weight, picture)| (*weight, of(picture))).collect();
@@ -113,17 +93,4 @@ fn mean<T>(all: &[(f64, &T)], power: i32, image: impl Fn(&T) -> &Image) -> Image
     };
     let pixels = (0..pixels.len()).map(|pixel| [0, 1, 2].map(|channel| value(pixel, channel))).collect();
     Image { width, height, pixels }
-}
-
-/// The settings, which all have in common, and the counts of all together.
-fn merged_header(pictures: &[(f64, &Picture)]) -> Vec<(String, String)> {
-    let is_own = |name: &str| name.strip_prefix(PREFIX).is_some_and(|name| OWN.contains(&name));
-    let common = pictures.iter().take(1).flat_map(|(_, picture)| &picture.header);
-    let mut header: Vec<(String, String)> = common.filter(|(name, _)| !is_own(name)).cloned().collect();
-    for name in ["lumbre.spp", "lumbre.rays", "lumbre.nonfinite"] {
-        let of = |picture: &Picture| picture.header.iter().find(|(own, _)| own == name)?.1.parse::<u64>().ok();
-        let total: u64 = pictures.iter().filter_map(|(_, picture)| of(picture)).sum();
-        header.push((name.to_owned(), total.to_string()));
-    }
-    header
 }

@@ -3,12 +3,14 @@
 //! Checkpoints give the bits of one run, because their sums over blocks of samples are whole numbers ([`crate::render::SavedFilm`]); images hold
 //! rounded means, whose mean by samples is right to rounding.
 
+mod header;
 pub mod images;
 mod order;
 mod sums;
 
 use std::path::{Path, PathBuf};
 
+pub use header::names;
 pub use order::Part;
 pub use sums::{Merged, merge};
 

@@ -11,8 +11,10 @@ use crate::render::{Counted, SavedFilm};
 
 /// What shards came to.
 pub struct Merged {
-    /// That of one run.
+    /// That of one run; what it says of the rendering is the first shard's.
     pub header: Header,
+    /// What each shard says of its rendering, in their order.
+    pub abouts: Vec<serde_json::Value>,
     /// The film.
     pub film: Film,
     /// What was counted.
@@ -31,11 +33,13 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     let Some(first) = parts.next() else { return Err(Error::Usage(String::from("there is nothing to merge"))) };
     let (mut header, mut saved, mut state) = read_part(&first)?;
     let samples = first.shard.samples;
+    let mut abouts = vec![header.about.clone()];
     let has_chains = header.shape.samples_are_correlated;
     let mut film = has_chains.then(|| film_of(&header, &saved));
     for part in parts {
         let (next_header, next, next_state) = read_part(&part)?;
         header.spent += next_header.spent;
+        abouts.push(next_header.about.clone());
         if next_header.shape != header.shape {
             return Err(Error::read(&part.path, "its film is not that of the others, though its settings are"));
         }
@@ -61,7 +65,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         None => saved.film(samples),
     };
     let counted = saved.counted.clone();
-    Ok(Merged { header, film, counted, notes, saved: (!has_chains).then_some((saved, state)) })
+    Ok(Merged { header, abouts, film, counted, notes, saved: (!has_chains).then_some((saved, state)) })
 }
 
 fn part(path: &Path) -> Result<Part> {

@@ -99,7 +99,7 @@ impl Kernel {
 pub type Constants = Vec<(u32, u32)>;
 
 /// How much of a module is left for a scene.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct KernelSize {
     /// The module: technique, pass and backend.
     pub module: String,

@@ -58,6 +58,8 @@ pub struct Picture {
     pub scene_number: u64,
     /// The technique and the backend that made it.
     pub made_by: String,
+    /// How often shaders had been taken from their files when its kernels were made.
+    pub shaders: u64,
     /// The camera that it is seen from.
     pub camera_number: u64,
     /// Samples of the average pixel.

@@ -46,7 +46,8 @@ impl Worker {
             messages: Vec::new(),
             answered: 0,
             reloader,
-            reloaded: 0,
+            reloaded: (0, [""; 2]),
+            taken: 0,
         };
         let thread = std::thread::Builder::new()
             .name(String::from("worker"))
@@ -125,8 +126,10 @@ struct Hands {
     answered: u64,
     /// Takes shaders from their files.
     reloader: Option<Reloader>,
-    /// The change of the shaders that was compiled last.
-    reloaded: u64,
+    /// The change of the shaders that was compiled last, and the technique and the backend that it was compiled for.
+    reloaded: (u64, [&'static str; 2]),
+    /// How often shaders were taken from their files.
+    taken: u64,
 }
 
 /// What there is by now, the last of which needs all before it.
@@ -205,18 +208,21 @@ impl Hands {
                 return Ok(true);
             }
             there.rendering = None;
-            let made = self.begin(wanted, loaded, &opened.gpu)?;
+            let mut made = self.begin(wanted, loaded, &opened.gpu)?;
+            made.shaders = self.taken;
             there.rendering = Some((wanted.choice.clone(), made));
         }
         let Some((_, rendering)) = &mut there.rendering else { return Ok(true) };
-        let changes = self.shared.shader_changes();
-        if let (Some(reloader), true) = (&self.reloader, changes > self.reloaded) {
-            self.reloaded = changes;
+        let (changes, [technique, backend]) = (self.shared.shader_changes(), rendering.names());
+        // What is compiled is what is shown: another technique finds its modules as they were.
+        let is_due = changes > 0 && self.reloaded != (changes, [technique, backend]);
+        if let (Some(reloader), true) = (&self.reloader, is_due) {
+            self.reloaded = (changes, [technique, backend]);
             self.shared.tell(|news| news.doing = Doing::Building("compiling shaders", None));
-            let [technique, backend] = rendering.names();
             match reloader.reload(technique, backend) {
                 // Kernels are made of the new ones; the last picture stays meanwhile.
                 Ok(()) => {
+                    self.taken += 1;
                     self.shared.tell(|news| news.shader_error = None);
                     there.rendering = None;
                     return Ok(false);

@@ -16,7 +16,7 @@ use lumbre::bench::peer::{Peer, SceneRequest};
 use lumbre::bench::results::{Reference, Results, SCHEMA, SceneResults};
 use lumbre::bench::{Bench, Limits, Truth, against, run::Event};
 use lumbre::error::{Error, Result};
-use lumbre::files::{STANDARD_INPUT, check_writable, replace_file};
+use lumbre::files::{STANDARD_INPUT, check_folder_name, check_writable, replace_file};
 use lumbre::gpu::Gpu;
 use lumbre::image::{Image, Picture, write_picture};
 use lumbre::reference::{self, Budget, Request, Step};
@@ -130,6 +130,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
         let new = Results::read(&args.output.join("results.json"))?;
         return conclude(old.as_ref(), &new, args);
     }
+    check_folder_name(&args.output)?;
     let interrupted = listen_for_interrupts();
     let limits = Limits {
         seeds: args.seeds,

@@ -9,7 +9,7 @@ use lumbre::error::{Error, Result};
 use lumbre::scene::LoadOptions;
 use lumbre::scene::load::{missing, scene_files};
 
-use crate::cli::output::{print, write_json};
+use crate::cli::output::{print, takes_standard_output, write_json};
 
 #[derive(Serialize)]
 struct Row {
@@ -38,7 +38,7 @@ pub(super) fn run<'a>(named: impl Iterator<Item = &'a Path>, options: &LoadOptio
     if let Some(path) = json {
         write_json(path, &rows)?;
     }
-    if json != Some(Path::new("-")) {
+    if !json.is_some_and(takes_standard_output) {
         for row in &rows {
             print(&format!("{} {}", if row.loads { "loads  " } else { "refused" }, row.scene));
             row.refused.iter().for_each(|message| print(&format!("        {message}")));

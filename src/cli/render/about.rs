@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use lumbre::gpu::Gpu;
+use lumbre::merge::names;
 use lumbre::render::{KernelSize, Renderer};
 use lumbre::scene::{Needs, Scene};
 
@@ -18,6 +19,20 @@ impl About {
     pub fn new(scene: &Scene, gpu: &Gpu, renderer: &Renderer) -> Self {
         let rare = renderer.settings().technique.finds_rarely(scene).map(|light| light.to_string());
         Self { settings: SettingsOf::new(scene, gpu, renderer), rare }
+    }
+
+    /// What is true of the rendering that these shards are all of; nothing where there are none. Devices and drivers are listed.
+    pub fn whole(shards: &[Self]) -> Option<Self> {
+        let first = shards.first()?;
+        let all = |of: fn(&SettingsOf) -> &str| names(shards.iter().map(|shard| of(&shard.settings)));
+        let mut settings = first.settings.clone();
+        settings.device = all(|own| &own.device);
+        settings.driver = all(|own| &own.driver);
+        if shards.iter().any(|shard| shard.settings.kernels != first.settings.kernels) {
+            settings.kernels.clear();
+        }
+        (settings.shard, settings.shards) = (None, Some(shards.len()));
+        Some(Self { settings, rare: first.rare.clone() })
     }
 }
 
@@ -43,6 +58,9 @@ pub(in super::super) struct SettingsOf {
     /// Which share of the samples it is: `K/N`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<String>,
+    /// Of how many shards it was put together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shards: Option<usize>,
 }
 
 impl SettingsOf {
@@ -67,11 +85,7 @@ impl SettingsOf {
             mip_maps: needs.mip_maps,
             kernels: renderer.kernel_sizes(),
             shard: settings.shard.map(|shard| shard.to_string()),
+            shards: None,
         }
-    }
-
-    /// The same of the rendering that a shard is a part of.
-    pub fn whole(self) -> Self {
-        Self { shard: None, ..self }
     }
 }

@@ -63,7 +63,8 @@ pub(in super::super) struct RenderArgs {
           conflicts_with_all = ["strategies", "shard", "resume"])]
     pub(super) fireflies: u32,
 
-    /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that
+    /// Write what one frame does to this folder: passes, barriers, buffers, timestamps, as JSON and as a picture. Rendering begins after that, and
+    /// has of -t what is left then
     #[arg(long, value_name = "DIR", conflicts_with = "resume")]
     pub(super) record: Option<PathBuf>,
 

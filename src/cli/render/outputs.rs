@@ -1,19 +1,19 @@
 //! What a rendering is to write, checked before any work.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use lumbre::checkpoint::check_name;
 use lumbre::error::{Error, Result};
 use lumbre::files::{STANDARD_INPUT, check_writable};
 use lumbre::image::{Format, format_of};
 
-use super::super::output::check_json;
+use super::super::output::{check_apart, check_json, destination};
 use super::args::RenderArgs;
+use super::record;
 
 /// The outputs, each of which can be written.
 pub(super) fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
-    let stdout = Path::new("/dev/stdout");
-    let named = |path: &PathBuf| if path == Path::new(STANDARD_INPUT) { stdout.to_owned() } else { path.clone() };
-    let mut outputs: Vec<PathBuf> = args.output.iter().map(named).collect();
+    let mut outputs: Vec<PathBuf> = args.output.iter().map(|path| destination(path)).collect();
     let has_shard = args.checkpoint.is_some() || has_exr(&outputs);
     if args.shard.is_some() {
         if !has_shard {
@@ -30,9 +30,8 @@ pub(super) fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
         format_of(path)?;
         check_writable(path)?;
     }
-    if let Some(path) = args.checkpoint.as_deref().filter(|path| outputs.iter().any(|output| output == path)) {
-        return Err(Error::Usage(format!("{} cannot be an output and the checkpoint as well", path.display())));
-    }
+    args.checkpoint.as_deref().map_or(Ok(()), check_name)?;
+    check_apart(outputs.iter().chain(&args.json).chain(&args.checkpoint).map(PathBuf::as_path))?;
     // The checkpoint of a shard keeps its layers.
     let is_lost = args.lengths.is_some() && args.shard.is_none();
     if !has_exr(&outputs) && (is_lost || !args.aov.is_empty()) {
@@ -42,7 +41,7 @@ pub(super) fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
     }
     check_json(args.json.as_deref())?;
     if let Some(folder) = &args.record {
-        std::fs::create_dir_all(folder).map_err(|error| Error::write(folder, error))?;
+        record::check_folder(folder)?;
     }
     Ok(outputs)
 }

@@ -1,17 +1,21 @@
 //! `--record`: what one frame does on the device, as JSON and as a picture of the timeline.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use serde::Serialize;
 
-use lumbre::error::Result;
-use lumbre::files::replace_by;
+use lumbre::error::{Error, Result};
+use lumbre::files::{check_folder_name, check_writable, replace_by};
 use lumbre::gpu::{BufferRecord, CommandRecord, Gpu, SubmissionRecord};
 use lumbre::render::{KernelSize, Renderer};
 use lumbre::report::html::escape;
 
-use super::super::output::write_json;
+use super::super::output::{say, write_json};
+use super::job::Job;
+use super::progress::Progress;
 
 /// The JSON object; its keys are a contract.
 #[derive(Serialize)]
@@ -29,12 +33,44 @@ struct FrameReport {
     buffers: Vec<BufferRecord>,
 }
 
-/// Takes one sample of every pixel, writes what the queue was given for it to `folder`, and leaves the rendering as it was at the beginning.
-/// Returns what it has written.
-pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Result<String> {
+/// The files of a recording.
+fn files(folder: &Path) -> [PathBuf; 2] {
+    ["frame.json", "frame.svg"].map(|name| folder.join(name))
+}
+
+/// Makes the folder; fails where the files of a recording could not be written to it.
+pub(super) fn check_folder(folder: &Path) -> Result<()> {
+    check_folder_name(folder)?;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Error::Usage(format!("cannot make the folder {}: {error}", folder.display())))?;
+    files(folder).iter().try_for_each(|path| check_writable(path))
+}
+
+/// Takes one sample of every pixel, writes what the queue was given for it to `folder`, and leaves the rendering as it was at the beginning. The
+/// seconds that this took are taken from those that the job has. Where the user ends it before each pixel has its sample, nothing is written.
+pub(super) fn record(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    folder: &Path,
+    job: &mut Job,
+    (interrupted, quiet): (&AtomicBool, bool),
+) -> Result<()> {
+    let began = Instant::now();
+    if !quiet {
+        say!("recording one sample of each pixel");
+    }
+    if let Some(seconds) = job.time {
+        renderer.set_time_budget(seconds);
+    }
     gpu.start_journal()?;
-    while renderer.advance(1)? {}
+    let taken = take_sample(renderer, interrupted, quiet);
     let (submissions, buffers) = gpu.end_journal();
+    if !taken? {
+        let folder = folder.display();
+        return Err(Error::Interrupted(format!(
+            "{folder} is as it was, for not every pixel had its sample; there is no image yet"
+        )));
+    }
     let settings = renderer.settings();
     let report = FrameReport {
         schema: "lumbre-frame-1",
@@ -48,12 +84,27 @@ pub(super) fn record(gpu: &Gpu, renderer: &mut Renderer, folder: &Path) -> Resul
         submissions,
         buffers,
     };
-    let (json, svg) = (folder.join("frame.json"), folder.join("frame.svg"));
-    write_json(&json, &report)?;
+    let [json, svg] = files(folder);
     replace_by(&svg, timeline(&report).as_bytes())?;
+    write_json(&json, &report)?;
+    if !quiet {
+        say!("wrote {} and {}", json.display(), svg.display());
+    }
     let seed = renderer.settings().seed;
     renderer.restart(seed)?;
-    Ok(format!("{} and {}", json.display(), svg.display()))
+    job.time = job.time.map(|seconds| (seconds - began.elapsed().as_secs_f64()).max(0.0));
+    Ok(())
+}
+
+/// Renders until each pixel has a sample; whether the user let it.
+fn take_sample(renderer: &mut Renderer, interrupted: &AtomicBool, quiet: bool) -> Result<bool> {
+    let began = Instant::now();
+    let mut progress = Progress::new(quiet, &Job { outputs: Vec::new(), spp: 1, time: None });
+    while renderer.spp() < 1 && !interrupted.load(Ordering::Relaxed) && renderer.advance(1)? {
+        progress.update(renderer, began.elapsed().as_secs_f64());
+    }
+    progress.finish();
+    Ok(renderer.spp() >= 1)
 }
 
 /// Width of the bars' column, and where it begins.

@@ -43,7 +43,9 @@ pub(in super::super) struct Report {
     /// The brightest samples, where they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fireflies: Vec<Firefly>,
-    peak_device_bytes: u64,
+    /// Nothing where it was rendered in parts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peak_device_bytes: Option<u64>,
     #[serde(skip)]
     technique_summary: Vec<String>,
 }
@@ -57,12 +59,20 @@ struct Brightness {
 
 #[derive(Serialize)]
 struct Seconds {
-    load: f64,
-    build: f64,
-    compile: f64,
+    /// Nothing where it was rendered in parts.
+    #[serde(flatten)]
+    before: Option<Before>,
     render: f64,
     device: f64,
     total: f64,
+}
+
+/// Seconds of what comes before the first sample.
+#[derive(Serialize)]
+struct Before {
+    load: f64,
+    build: f64,
+    compile: f64,
 }
 
 /// What is known of a rendering besides its settings and its film.
@@ -89,15 +99,13 @@ impl Report {
         let own = Self::of_film(about, film, &figures);
         Ok(Self {
             seconds: Seconds {
-                load,
-                build: took.build,
-                compile: took.compile,
+                before: Some(Before { load, build: took.build, compile: took.compile }),
                 total: started.elapsed().as_secs_f64(),
                 ..own.seconds
             },
             technique: report.iter().map(|report| (report.key, report.figures.clone())).collect(),
             technique_summary: report.map_or(Vec::new(), |report| report.summary),
-            peak_device_bytes: gpu.peak_bytes(),
+            peak_device_bytes: Some(gpu.peak_bytes()),
             ..own
         })
     }
@@ -116,7 +124,7 @@ impl Report {
         Self {
             spp: film.spp(),
             rays: figures.rays,
-            seconds: Seconds { load: 0.0, build: 0.0, compile: 0.0, render: frames, device, total: frames },
+            seconds: Seconds { before: None, render: frames, device, total: frames },
             mrays_per_s: figures.rays as f64 / frames.max(1e-9) / 1e6,
             samples_per_s: samples as f64 / frames.max(1e-9),
             nonfinite: film.nonfinite,
@@ -131,7 +139,7 @@ impl Report {
             technique: BTreeMap::new(),
             technique_summary: Vec::new(),
             fireflies: Vec::new(),
-            peak_device_bytes: 0,
+            peak_device_bytes: None,
             about,
         }
     }
@@ -186,10 +194,13 @@ pub(in super::super) fn print_summary(report: &Report, written: &[&Path], interr
     ));
     print(&format!("device     {} ({})", report.about.device, report.about.driver));
     let s = &report.seconds;
-    print(&format!(
-        "seconds    {:.3} (load {:.3}, build {:.3}, compile {:.3}, render {:.3})",
-        s.total, s.load, s.build, s.compile, s.render
-    ));
+    let parts = match &s.before {
+        Some(Before { load, build, compile }) => {
+            format!("(load {load:.3}, build {build:.3}, compile {compile:.3}, render {:.3})", s.render)
+        }
+        None => String::from("of rendering, all shards together"),
+    };
+    print(&format!("seconds    {:.3} {parts}", s.total));
     print(&format!("speed      {:.3} Msamples/s, {:.2} Mrays/s", report.samples_per_s / 1e6, report.mrays_per_s));
     let [r, g, b] = report.mean;
     let error = match (&report.brightness, report.estimated_relmse) {

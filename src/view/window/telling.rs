@@ -9,12 +9,14 @@ use crate::view::state::State;
 /// What has been told already.
 #[derive(Default)]
 struct Told {
-    /// The scene of the last picture, and what made it.
-    picture_of: Option<(u64, String)>,
+    /// The scene of the last picture, what made it, and with which shaders.
+    picture_of: Option<(u64, String, u64)>,
     losses: u32,
     trouble: Option<String>,
-    /// The scene and the camera of the last picture that had enough samples.
-    done: Option<(u64, u64)>,
+    /// What the compiler said last of the shaders.
+    shader_error: Option<String>,
+    /// The scene, the camera and the shaders of the last picture that had enough samples.
+    done: Option<(u64, u64, u64)>,
     notice: Option<String>,
     pixel: Option<Inspection>,
 }
@@ -62,21 +64,28 @@ impl Telling {
             told.trouble.clone_from(&news.trouble);
             news.trouble.iter().for_each(|trouble| tell(trouble));
         }
+        if news.shader_error != told.shader_error {
+            told.shader_error.clone_from(&news.shader_error);
+            // A line for each of its messages.
+            news.shader_error.iter().flat_map(|error| error.lines()).for_each(|line| tell(&format!("shaders: {line}")));
+        }
         let (Some(picture), Some(facts)) = (&news.picture, &news.facts) else { return };
-        let of = (picture.scene_number, picture.made_by.clone());
+        let of = (picture.scene_number, picture.made_by.clone(), picture.shaders);
         if facts.scene_number == picture.scene_number && told.picture_of.as_ref() != Some(&of) {
             tell(&format!(
-                "picture of {} after {:.2} s: {}x{} by {}, {:.1} spp",
+                "picture of {} after {:.2} s: {}x{} by {}{}, {:.1} spp",
                 facts.scene.display(),
                 self.began.elapsed().as_secs_f64(),
                 picture.image.width,
                 picture.image.height,
                 of.1,
+                if picture.shaders > 0 { " with changed shaders" } else { "" },
                 picture.spp
             ));
             told.picture_of = Some(of);
         }
-        let done = Some((picture.scene_number, picture.camera_number)).filter(|_| news.doing == Doing::Resting);
+        let done = Some((picture.scene_number, picture.camera_number, picture.shaders))
+            .filter(|_| news.doing == Doing::Resting);
         if !state.wanted.is_paused && done.is_some() && told.done != done {
             let place = if state.wanted.camera.is_none() { "the scene's camera" } else { "elsewhere" };
             tell(&format!("done: {:.0} spp from {place}", picture.spp));

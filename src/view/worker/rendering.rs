@@ -72,6 +72,8 @@ fn places(scene: &Scene, settings: &Settings, traced: &Trace) -> Vec<Vec<Option<
 /// A renderer, and when its next picture is due.
 pub(super) struct Rendering {
     renderer: Renderer,
+    /// How often shaders had been taken from their files when its kernels were made.
+    pub shaders: u64,
     /// What it is seen from.
     pub camera_number: u64,
     /// That camera.
@@ -126,6 +128,7 @@ impl Rendering {
         scene.cameras[index] = of_file.clone();
         Ok(Self {
             renderer: renderer?,
+            shaders: 0,
             camera_number: wanted.camera_number,
             camera: wanted.camera.clone().unwrap_or_else(|| of_file.clone()),
             of_file: (index, of_file),
@@ -233,6 +236,7 @@ impl Rendering {
             layer: wanted.layer,
             scene_number: wanted.scene_number,
             made_by: format!("{} on {}", settings.technique.describe(), settings.backend.name()),
+            shaders: self.shaders,
             camera_number: self.camera_number,
             spp: samples,
             seconds: self.renderer.seconds().render,
