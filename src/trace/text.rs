@@ -100,7 +100,7 @@ fn proposed(out: &mut String, told: &Proposal) {
         mutation => format!("proposed by mutation {mutation}, a {}", told.sort),
     };
     line(out, 0, &format!("path of the visit that adds most: chain {}, {by}", told.chain));
-    line(out, 0, &format!("share      {}: one over the density of large steps", number(told.share)));
+    line(out, 0, &format!("share      {}: the path's value times this is its contribution", number(told.share)));
 }
 
 fn visited(visit: &Visit, is_told: bool) -> String {
@@ -146,7 +146,7 @@ fn subpath(out: &mut String, path: &Subpath, of_chain: bool) {
 fn emission(out: &mut String, emission: &Emission, of: &str) {
     let radiance = vector(emission.radiance);
     if emission.is_delta {
-        return line(out, 5, &format!("emission of {of}: {radiance}, which no path meets by chance"));
+        return line(out, 5, &format!("emission of a light that no path meets by chance: {radiance}"));
     }
     let by_bsdf = emission
         .pdf_w

@@ -87,7 +87,7 @@ pub struct Vertex {
     pub index: u32,
     /// The point, in world coordinates.
     pub position: [f64; 3],
-    /// The geometric normal there, unit.
+    /// The geometric normal there, unit; nothing but zeros at a light without extent.
     pub normal: [f64; 3],
     /// The direction that the path came from, unit.
     pub towards_previous: [f64; 3],
@@ -120,7 +120,7 @@ pub struct Emission {
     pub light_pdf_w: f64,
     /// Whether no direction hits the light by chance.
     pub is_delta: bool,
-    /// MIS weight.
+    /// MIS weight; 1 of a chain that mutates paths, where all ways to make a path are in [`Proposal::share`].
     pub mis_weight: f64,
 }
 
@@ -156,7 +156,7 @@ pub struct Scattering {
     pub direction: [f64; 3],
     /// f |cos| / pdf.
     pub weight: [f64; 3],
-    /// Density per solid angle, of a delta lobe the probability of choosing it.
+    /// Density per solid angle, of a delta lobe the probability of choosing it; 1 where a chain that mutates paths aims at a delta light.
     pub pdf: f64,
     /// `delta`, `narrow` or `broad`.
     pub lobe: &'static str,
