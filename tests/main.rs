@@ -65,6 +65,7 @@ mod strategies;
 mod tev;
 mod tour;
 mod trace;
+mod trace_chains;
 mod traversal;
 mod verify;
 #[cfg(feature = "view")]

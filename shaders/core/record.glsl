@@ -39,6 +39,13 @@ void record_begin_light(uint index, uint sample_index, uint count) {
     record_begin(index, sample_index, true, wanted != NONE && wanted % count == index);
 }
 
+// Begins a proposal of a chain; `mutation` is 0 of the bootstrap sample that it begins at.
+void record_begin_proposal(uint chain, uint mutation, uint sample_index) {
+    if (!RECORDS) return;
+    RecordHeader wanted = record_header();
+    record_begin(chain, sample_index, false, wanted.chain == chain && wanted.mutation == mutation);
+}
+
 // Whether the lane's path is recorded with this kind.
 bool records(uint kind) {
     if (!RECORDS) return false;
@@ -90,6 +97,16 @@ void record_splat(uint pixel, uint sample_index, uint source, uint s, uint t, ve
     r.t = t;
     r.value = value;
     r.weight = weight;
+    record_append(r);
+}
+
+// The mutation that has proposed the path at hand, and what its contribution is multiplied by.
+void record_mutation(uint chain, uint mutation, uint sort, float share) {
+    if (!records(RECORD_MUTATION)) return;
+    PathRecord r = record_of(RECORD_MUTATION, sort);
+    r.s = chain;
+    r.t = mutation;
+    r.weight = share;
     record_append(r);
 }
 

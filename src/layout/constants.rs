@@ -183,9 +183,14 @@ shared_constants! {
     pub const RECORD_SPLAT = 8;
     /// A [`PathRecord`](super::PathRecord): the sample is finished, its `value` goes to the film.
     pub const RECORD_VALUE = 9;
-    /// A [`PathRecord`](super::PathRecord): a chain visits the pixel: `s` chain, `t` mutation, `value` the path's contribution, `weight` probability of the
-    /// visit, `probability` with which the proposal is accepted; [`RECORDED_PROPOSAL`] where it is the proposal.
+    /// A [`PathRecord`](super::PathRecord): a chain visits the pixel: `s` chain, `t` mutation, `value` the path's contribution, `vertex` the
+    /// mutation that proposed it, `weight` probability of the visit, `probability` with which the proposal is accepted; [`RECORDED_PROPOSAL`] where it is the
+    /// proposal.
     pub const RECORD_VISIT = 10;
+    /// A [`PathRecord`](super::PathRecord): a mutation has proposed the path of the records around it: `s` chain, `t` mutation (0 is the bootstrap sample that
+    /// the chain begins at), `vertex` its sort, one of `MUTATION_*`, and `weight`, what the path's contribution is multiplied by to be one over the density
+    /// of large steps.
+    pub const RECORD_MUTATION = 11;
     /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the lobe or the light is a delta.
     pub const RECORDED_DELTA = 1;
     /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the path ends.
@@ -200,6 +205,24 @@ shared_constants! {
     pub const RECORDED_DISTANT = 32;
     /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the lobe is narrow, see [`NARROW_ALPHA`](super::NARROW_ALPHA).
     pub const RECORDED_NARROW = 64;
+    /// Flag on [`PathRecord::flags`](super::PathRecord::flags): the vertex is no hit but a sample of a light, and `primitive` is the light's index.
+    pub const RECORDED_LIGHT = 128;
+    /// A sort of mutation of `mlt`: none, the path is the bootstrap sample that the chain begins at.
+    pub const MUTATION_BEGINS = 0;
+    /// A sort of mutation of `mlt`: a large step, nothing of the current path is in the proposal.
+    pub const MUTATION_LARGE = 1;
+    /// A sort of mutation of `mlt`: a large step that follows a path from the camera until it meets a light.
+    pub const MUTATION_RUN = 2;
+    /// A sort of mutation of `mlt`: a small step, all random numbers of the current path are perturbed.
+    pub const MUTATION_SMALL = 3;
+    /// A sort of mutation of `mlt`: some vertices in a row are replaced by others.
+    pub const MUTATION_BIDIRECTIONAL = 4;
+    /// A sort of mutation of `mlt`: a lens perturbation.
+    pub const MUTATION_LENS = 5;
+    /// A sort of mutation of `mlt`: a multi-chain perturbation.
+    pub const MUTATION_MULTI_CHAIN = 6;
+    /// A sort of mutation of `mlt`: a caustic perturbation.
+    pub const MUTATION_CAUSTIC = 7;
 
 }
 

@@ -19,6 +19,10 @@ shared_structs! {
         sample_index: uint,
         /// The light subpath that is recorded as well; [`NONE`] is none of them.
         light_path: uint,
+        /// The chain of which a path is recorded; [`NONE`] is none of them.
+        chain: uint,
+        /// The mutation of that chain whose proposal is the path; 0 is the bootstrap sample that the chain begins at.
+        mutation: uint,
         /// A finished sample is recorded where its largest channel is above this.
         threshold: float,
     }
@@ -27,7 +31,7 @@ shared_structs! {
     pub struct PathRecord {
         /// What happened: `RECORD_*`.
         kind: uint,
-        /// Pixel index, y * width + x; of a light subpath, its own index.
+        /// Pixel index, y * width + x; of a light subpath, its own index; of a chain's path, the chain's.
         pixel: uint,
         /// Sample index within the pixel.
         sample_index: uint,
@@ -41,7 +45,7 @@ shared_structs! {
         t: uint,
         /// Index of the material, [`NONE`] where there is none.
         material: uint,
-        /// Index of the uploaded primitive.
+        /// Index of the uploaded primitive; with [`RECORDED_LIGHT`] of the light.
         primitive: uint,
         /// Index of the uploaded instance.
         instance: uint,

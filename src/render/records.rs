@@ -15,6 +15,8 @@ pub struct Wanted {
     pub sample: Option<u32>,
     /// The light subpath that is recorded as well.
     pub light_path: Option<u32>,
+    /// The path that is recorded of a chain: the chain, and the mutation that proposed it, 0 of the bootstrap sample that it begins at.
+    pub chain_path: Option<[u32; 2]>,
     /// Finished samples are recorded where their largest channel is above this.
     pub threshold: f32,
 }
@@ -22,7 +24,7 @@ pub struct Wanted {
 impl Wanted {
     /// No record at all.
     pub const NOTHING: Self =
-        Self { kinds: 0, pixel: None, sample: None, light_path: None, threshold: f32::NEG_INFINITY };
+        Self { kinds: 0, pixel: None, sample: None, light_path: None, chain_path: None, threshold: f32::NEG_INFINITY };
 }
 
 /// Records on the device.
@@ -47,6 +49,7 @@ impl Recorder {
 
     /// Forgets what was recorded, and has this recorded from now on.
     pub fn want(&self, wanted: &Wanted) -> Result<()> {
+        let [chain, mutation] = wanted.chain_path.unwrap_or([NONE; 2]);
         let header = RecordHeader {
             count: 0,
             capacity: self.capacity,
@@ -54,6 +57,8 @@ impl Recorder {
             pixel: wanted.pixel.unwrap_or(NONE),
             sample_index: wanted.sample.unwrap_or(NONE),
             light_path: wanted.light_path.unwrap_or(NONE),
+            chain,
+            mutation,
             threshold: wanted.threshold,
         };
         self.buffer.upload(bytemuck::bytes_of(&header))

@@ -3,14 +3,15 @@
 use glam::DVec3;
 
 use super::types::{
-    Beginning, Contribution, Emission, LightSample, Roulette, Scattering, Splat, StrategyContribution, Subpath, Trace,
-    Vertex, Visit,
+    Beginning, Contribution, Emission, LightSample, Proposal, Roulette, Scattering, Splat, StrategyContribution,
+    Subpath, Trace, Vertex, Visit,
 };
 use super::{Request, names};
 use crate::layout::{
-    PathRecord, RECORD_BEGIN, RECORD_CONTRIBUTION, RECORD_EMISSION, RECORD_LIGHT_SAMPLE, RECORD_ROULETTE,
-    RECORD_SCATTER, RECORD_SPLAT, RECORD_STRATEGY, RECORD_VALUE, RECORD_VERTEX, RECORD_VISIT, RECORDED_CANDIDATE,
-    RECORDED_DELTA, RECORDED_DISTANT, RECORDED_ENDS, RECORDED_MERGED, RECORDED_NARROW, RECORDED_PROPOSAL,
+    PathRecord, RECORD_BEGIN, RECORD_CONTRIBUTION, RECORD_EMISSION, RECORD_LIGHT_SAMPLE, RECORD_MUTATION,
+    RECORD_ROULETTE, RECORD_SCATTER, RECORD_SPLAT, RECORD_STRATEGY, RECORD_VALUE, RECORD_VERTEX, RECORD_VISIT,
+    RECORDED_CANDIDATE, RECORDED_DELTA, RECORDED_DISTANT, RECORDED_ENDS, RECORDED_MERGED, RECORDED_NARROW,
+    RECORDED_PROPOSAL,
 };
 use crate::render::Renderer;
 use crate::scene::Scene;
@@ -51,6 +52,7 @@ pub(super) fn assemble(
         contributions: Vec::new(),
         splats: Vec::new(),
         visits: Vec::new(),
+        proposal: None,
     };
     let scaled = |v: [f32; 3]| real(v).map(|channel| channel * factor);
     let is_chain = records.iter().any(|record| record.kind == RECORD_VISIT);
@@ -80,12 +82,21 @@ pub(super) fn assemble(
             RECORD_VISIT => trace.visits.push(Visit {
                 chain: record.s,
                 mutation: record.t,
+                proposed_by: record.vertex,
                 is_proposal: record.flags & RECORDED_PROPOSAL != 0,
                 acceptance: f64::from(record.probability),
                 probability: f64::from(record.weight),
                 contribution: real(record.value),
                 value: scaled(record.throughput),
             }),
+            RECORD_MUTATION => {
+                trace.proposal = Some(Proposal {
+                    chain: record.s,
+                    mutation: record.t,
+                    sort: names::mutation(record.vertex),
+                    share: f64::from(record.weight),
+                });
+            }
             RECORD_VALUE => {
                 trace.value = scaled(record.value);
                 trace.filter_weight = f64::from(record.probability);
@@ -144,6 +155,7 @@ fn follow(subpaths: &mut Vec<Subpath>, scene: &Scene, renderer: &Renderer, recor
                 throughput: real(record.throughput),
                 pdf_w: (record.pdf > 0.0).then(|| f64::from(record.pdf)),
                 light_pdf_w: f64::from(record.other_pdf),
+                is_delta: record.flags & RECORDED_DELTA != 0,
                 mis_weight: f64::from(record.weight),
             };
             *vertex.map_or(&mut subpath.background, |vertex| &mut vertex.emission) = Some(emission);

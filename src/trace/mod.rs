@@ -13,7 +13,10 @@ mod types;
 
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::layout::{PathRecord, RECORD_BEGIN, RECORD_ROULETTE, RECORD_SPLAT, RECORD_VALUE, RECORD_VISIT};
+use crate::layout::{
+    PathRecord, RECORD_BEGIN, RECORD_MUTATION, RECORD_ROULETTE, RECORD_SPLAT, RECORD_STRATEGY, RECORD_VALUE,
+    RECORD_VISIT,
+};
 use crate::render::{Renderer, Settings, Wanted};
 use crate::scene::Scene;
 
@@ -21,8 +24,8 @@ pub use command::command;
 pub use plan::svg;
 pub use text::text;
 pub use types::{
-    Beginning, Contribution, Emission, LightSample, Roulette, Scattering, Splat, StrategyContribution, Subpath, Trace,
-    Vertex, Visit,
+    Beginning, Contribution, Emission, LightSample, Proposal, Roulette, Scattering, Splat, StrategyContribution,
+    Subpath, Trace, Vertex, Visit,
 };
 
 /// Records that there is room for. A path of the longest kind has a few for each vertex; merging techniques have one for each photon met.
@@ -32,9 +35,12 @@ const ROOM: u32 = 1 << 18;
 pub const MOST_SAMPLES: u32 = 4096;
 
 /// Bits of all kinds of records.
-const EVERYTHING: u32 = (1 << (RECORD_VISIT + 1)) - 1;
+const EVERYTHING: u32 = (1 << (RECORD_MUTATION + 1)) - 1;
 /// Bits of the kinds that follow a subpath from vertex to vertex.
 const SUBPATH: u32 = (1 << (RECORD_ROULETTE + 1)) - (1 << RECORD_BEGIN);
+
+/// Bits of the kinds that follow a path which a chain has proposed.
+const PROPOSAL: u32 = SUBPATH | 1 << RECORD_STRATEGY | 1 << RECORD_MUTATION;
 
 /// Which sample.
 #[derive(Clone, Copy, Debug)]
@@ -125,6 +131,12 @@ fn follow(scene: &Scene, renderer: &mut Renderer, request: Request) -> Result<Tr
         let from_light = |record: &PathRecord| record.from_light == 1;
         records.extend(take(renderer, &wanted, request)?.into_iter().filter(from_light));
     }
+    if let Some(path) = brightest_visit(&records) {
+        renderer.restart(settings.seed)?;
+        // It may have been proposed in an earlier sample.
+        let wanted = Wanted { kinds: PROPOSAL, sample: None, chain_path: Some(path), ..wanted };
+        records.extend(take(renderer, &wanted, request)?);
+    }
     let factor = renderer.film_factor()?;
     Ok(assemble::assemble(scene, renderer, request, &records, factor))
 }
@@ -146,6 +158,13 @@ fn take(renderer: &mut Renderer, wanted: &Wanted, request: Request) -> Result<Ve
         )));
     }
     Ok(records)
+}
+
+/// The path of the visit that adds most to the pixel: its chain, and the mutation that proposed it.
+fn brightest_visit(records: &[PathRecord]) -> Option<[u32; 2]> {
+    let visits = records.iter().filter(|record| record.kind == RECORD_VISIT);
+    let brightness = |record: &PathRecord| record.throughput.iter().sum::<f32>();
+    visits.max_by(|one, other| brightness(one).total_cmp(&brightness(other))).map(|record| [record.s, record.vertex])
 }
 
 /// The light subpath that adds most to the pixel.

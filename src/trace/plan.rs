@@ -129,7 +129,8 @@ impl Frame {
     }
 }
 
-/// The scene in plan with the trace's subpaths in it; segments to light samples are dashed, those in shadow grey.
+/// The scene in plan with the trace's subpaths in it; segments to light samples are dashed, those in shadow grey, and so is the one that joins the two subpaths
+/// of a chain's path.
 ///
 /// Fails where the scene has no camera of that name.
 pub fn svg(scene: &Scene, trace: &Trace, camera: Option<&str>) -> Result<String> {
@@ -166,6 +167,10 @@ pub fn svg(scene: &Scene, trace: &Trace, camera: Option<&str>) -> Result<String>
         lights(&mut out, path, &frame, &project);
         polyline(&mut out, path, &frame, &project, colour);
     }
+    if let (Some(_), [camera, light]) = (&trace.proposal, trace.subpaths.as_slice()) {
+        let [a, b] = [camera, light].map(|path| frame.place(project(path.end())));
+        dashed(&mut out, a, b, "#c60");
+    }
     let [x, y] = trace.pixel;
     let about = format!("{}: {}, pixel {x},{y}, sample {}; {}", trace.scene, trace.integrator, trace.sample, axes.name);
     let about = crate::report::html::escape(&about);
@@ -182,13 +187,17 @@ fn lights(out: &mut String, path: &Subpath, frame: &Frame, project: &impl Fn([f6
             let to = light.position.map_or(project(vertex.position) + direction, project);
             let to = frame.place(to);
             let colour = if light.transmittance > 0.0 { "#e0a000" } else { "#999" };
-            let _ = writeln!(
-                out,
-                r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" stroke="{colour}" stroke-dasharray="5 4" fill="none"/>"#,
-                from.x, from.y, to.x, to.y
-            );
+            dashed(out, from, to, colour);
         }
     }
+}
+
+fn dashed(out: &mut String, from: DVec2, to: DVec2, colour: &str) {
+    let _ = writeln!(
+        out,
+        r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" stroke="{colour}" stroke-dasharray="5 4" fill="none"/>"#,
+        from.x, from.y, to.x, to.y
+    );
 }
 
 fn polyline(out: &mut String, path: &Subpath, frame: &Frame, project: &impl Fn([f64; 3]) -> DVec2, colour: &str) {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::types::{Emission, Subpath, Trace, Vertex};
+use super::types::{Emission, Proposal, Subpath, Trace, Vertex, Visit};
 
 /// A number with so many digits that two values can be told apart.
 fn number(value: f64) -> String {
@@ -40,8 +40,11 @@ pub fn text(trace: &Trace) -> String {
     if trace.value.iter().any(|channel| !channel.is_finite()) {
         line(&mut out, 0, "not finite: the film has dropped it");
     }
+    if let Some(proposal) = &trace.proposal {
+        proposed(&mut out, proposal);
+    }
     for path in &trace.subpaths {
-        subpath(&mut out, path);
+        subpath(&mut out, path, trace.proposal.is_some());
     }
     if !trace.strategies.is_empty() {
         line(&mut out, 0, "strategies (s, t), contribution, weight");
@@ -72,18 +75,8 @@ pub fn text(trace: &Trace) -> String {
     if !trace.visits.is_empty() {
         line(&mut out, 0, "visits of chains");
         for visit in &trace.visits {
-            let what = if visit.is_proposal { "proposal, accepted" } else { "current path, proposal accepted" };
-            let of = format!(
-                "chain {}, mutation {}: {what} with probability {}",
-                visit.chain,
-                visit.mutation,
-                number(visit.acceptance)
-            );
-            line(
-                &mut out,
-                2,
-                &format!("{of}, contribution {}, adds {}", vector(visit.contribution), vector(visit.value)),
-            );
+            let is_told = |told: &Proposal| [told.chain, told.mutation] == [visit.chain, visit.proposed_by];
+            line(&mut out, 2, &visited(visit, trace.proposal.as_ref().is_some_and(is_told)));
         }
     } else if !trace.splats.is_empty() {
         line(&mut out, 0, "splats of light subpaths (s, t), value, weight");
@@ -100,14 +93,44 @@ pub fn text(trace: &Trace) -> String {
     out
 }
 
+/// What has proposed the path of a chain that is told.
+fn proposed(out: &mut String, told: &Proposal) {
+    let by = match told.mutation {
+        0 => format!("the {} that it began at", told.sort),
+        mutation => format!("proposed by mutation {mutation}, a {}", told.sort),
+    };
+    line(out, 0, &format!("path of the visit that adds most: chain {}, {by}", told.chain));
+    line(out, 0, &format!("share      {}: the path's value times this is its contribution", number(told.share)));
+}
+
+fn visited(visit: &Visit, is_told: bool) -> String {
+    let what = match visit.proposed_by {
+        _ if visit.is_proposal => String::from("proposal, accepted"),
+        0 => String::from("current path, the bootstrap sample that it began at, proposal accepted"),
+        mutation => format!("current path, of mutation {mutation}, proposal accepted"),
+    };
+    format!(
+        "chain {}, mutation {}: {what} with probability {}, contribution {}, adds {}{}",
+        visit.chain,
+        visit.mutation,
+        number(visit.acceptance),
+        vector(visit.contribution),
+        vector(visit.value),
+        if is_told { " (told above)" } else { "" }
+    )
+}
+
 fn line(out: &mut String, indent: usize, text: &str) {
     let _ = writeln!(out, "{:indent$}{text}", "");
 }
 
-fn subpath(out: &mut String, path: &Subpath) {
+fn subpath(out: &mut String, path: &Subpath, of_chain: bool) {
     let begins = &path.beginning;
-    let title =
-        if path.from_light { format!("light subpath {}", path.index) } else { String::from("path from the camera") };
+    let title = match path.from_light {
+        true if of_chain => String::from("light subpath"),
+        true => format!("light subpath {}", path.index),
+        false => String::from("path from the camera"),
+    };
     line(out, 0, &title);
     let power = begins.power.map_or(String::new(), |power| format!(", power {} W", vector(power)));
     line(out, 2, &format!("0  {} towards {}{power}", vector(begins.position), vector(begins.direction)));
@@ -121,10 +144,13 @@ fn subpath(out: &mut String, path: &Subpath) {
 }
 
 fn emission(out: &mut String, emission: &Emission, of: &str) {
+    let radiance = vector(emission.radiance);
+    if emission.is_delta {
+        return line(out, 5, &format!("emission of a light that no path meets by chance: {radiance}"));
+    }
     let by_bsdf = emission
         .pdf_w
         .map_or(String::from("by a delta or the camera"), |pdf| format!("pdf {} /sr by the BSDF", number(pdf)));
-    let radiance = vector(emission.radiance);
     let by_light = number(emission.light_pdf_w);
     line(
         out,

@@ -25,7 +25,8 @@ pub struct Trace {
     pub sum: [f64; 3],
     /// The subpaths that were followed, the camera's first.
     pub subpaths: Vec<Subpath>,
-    /// Of bidirectional techniques: the strategies (s, t) of the pixel's own subpaths.
+    /// Of bidirectional techniques: the strategies (s, t) of the pixel's own subpaths. Of Metropolis light transport that mutates one strategy at a time: those of
+    /// `proposal`.
     pub strategies: Vec<StrategyContribution>,
     /// What the camera's paths add, before the filter's weight.
     pub contributions: Vec<Contribution>,
@@ -33,6 +34,8 @@ pub struct Trace {
     pub splats: Vec<Splat>,
     /// Of Metropolis light transport: the visits of chains to the pixel.
     pub visits: Vec<Visit>,
+    /// Of Metropolis light transport, where there are visits: the proposal that made the path of the visit which adds most. The subpaths are that path's.
+    pub proposal: Option<Proposal>,
 }
 
 /// A subpath, from the camera or from a light.
@@ -51,6 +54,11 @@ pub struct Subpath {
 }
 
 impl Subpath {
+    /// Its last vertex, in world coordinates.
+    pub fn end(&self) -> [f64; 3] {
+        self.vertices.last().map_or(self.beginning.position, |vertex| vertex.position)
+    }
+
     /// Whether its last ray meets nothing.
     pub fn leaves_the_scene(&self) -> bool {
         let goes_on =
@@ -79,7 +87,7 @@ pub struct Vertex {
     pub index: u32,
     /// The point, in world coordinates.
     pub position: [f64; 3],
-    /// The geometric normal there, unit.
+    /// The geometric normal there, unit; nothing but zeros at a light without extent.
     pub normal: [f64; 3],
     /// The direction that the path came from, unit.
     pub towards_previous: [f64; 3],
@@ -102,15 +110,17 @@ pub struct Vertex {
 /// Emission that a path has run into.
 #[derive(Clone, Debug, Serialize)]
 pub struct Emission {
-    /// Emitted radiance, W/(m² sr).
+    /// Emitted radiance, W/(m² sr); of a delta light its intensity, W/sr, or irradiance, W/m².
     pub radiance: [f64; 3],
     /// Throughput that multiplies it.
     pub throughput: [f64; 3],
-    /// Density with which the BSDF chose the direction, per solid angle; nothing where a delta lobe or the camera did.
+    /// Density with which the BSDF chooses the direction, per solid angle; nothing where a delta lobe or the camera does, or the light is a delta.
     pub pdf_w: Option<f64>,
-    /// Density with which next-event estimation picks it, per solid angle.
+    /// Density with which next-event estimation picks it, per solid angle; of a chain that mutates paths, a light subpath's beginning. 0 of a delta light.
     pub light_pdf_w: f64,
-    /// MIS weight.
+    /// Whether no direction hits the light by chance.
+    pub is_delta: bool,
+    /// MIS weight; 1 of a chain that mutates paths, where all ways to make a path are in [`Proposal::share`].
     pub mis_weight: f64,
 }
 
@@ -146,7 +156,7 @@ pub struct Scattering {
     pub direction: [f64; 3],
     /// f |cos| / pdf.
     pub weight: [f64; 3],
-    /// Density per solid angle, of a delta lobe the probability of choosing it.
+    /// Density per solid angle, of a delta lobe the probability of choosing it; 1 where a chain that mutates paths aims at a delta light.
     pub pdf: f64,
     /// `delta`, `narrow` or `broad`.
     pub lobe: &'static str,
@@ -211,6 +221,9 @@ pub struct Visit {
     pub chain: u32,
     /// Its mutation.
     pub mutation: u32,
+    /// The mutation that proposed the path: the same of a proposal, an earlier one of the path that the chain was at, 0 of the bootstrap sample that the
+    /// chain began at.
+    pub proposed_by: u32,
     /// Whether this is the proposal, rather than the path that the chain was at.
     pub is_proposal: bool,
     /// Probability with which the proposal was accepted.
@@ -221,4 +234,19 @@ pub struct Visit {
     pub contribution: [f64; 3],
     /// What the visit adds.
     pub value: [f64; 3],
+}
+
+/// What a chain has proposed: a path.
+#[derive(Clone, Debug, Serialize)]
+pub struct Proposal {
+    /// The chain's number.
+    pub chain: u32,
+    /// The mutation, as [`Visit::proposed_by`] has it.
+    pub mutation: u32,
+    /// The sort of mutation: `bootstrap sample`, `large step`, `large step until a light is met`, `small step`, `bidirectional mutation`, `lens
+    /// perturbation`, `multi-chain perturbation` or `caustic perturbation`.
+    pub sort: &'static str,
+    /// What the value of the path's subpaths and strategies is multiplied by to be the visit's contribution, which is over the density of
+    /// large steps: one over their density, over that with which the value is weighted.
+    pub share: f64,
 }

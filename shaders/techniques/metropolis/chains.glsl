@@ -63,6 +63,9 @@ Proposal chain_propose(uint index, uint mutation, float large_step) {
     return Proposal(Sampler(index, mutation, 0u, large ? 0u : c.known), large ? kind_of(u.w) : c.kind, large, false, c);
 }
 
+// The number of the mutation that makes the proposal: 0 where it is the bootstrap sample that the chain begins at.
+uint mutation_number(Proposal p, uint mutation) { return p.from.known == NONE ? 0u : mutation; }
+
 // The scalar contribution of a path: the mean of its channels.
 float scalar_contribution(vec3 value) { return (value.x + value.y + value.z) * (1.0 / 3.0); }
 
@@ -114,7 +117,7 @@ void record_visit(Visit visit, uint pixel, uint sample_index, float probability,
     if (!RECORDS) return;
     record_splat(pixel, sample_index, visit.chain, visit.chain, visit.mutation, splatted, probability);
     if (!record_wants(RECORD_VISIT) || !record_wants_sample(pixel, sample_index)) return;
-    PathRecord r = record_of(RECORD_VISIT, 0u);
+    PathRecord r = record_of(RECORD_VISIT, visit.proposal ? visit.mutation : chain_at(visit.chain).chain.begins_at);
     r.pixel = pixel;
     r.sample_index = sample_index;
     r.s = visit.chain;
@@ -181,6 +184,7 @@ Decision chain_decide(uint index, uint mutation, Proposal p, vec2 position, uint
         c.known = used;
         c.contribution = proposed;
         c.position = position;
+        if (RECORDS) c.begins_at = mutation_number(p, mutation);
     }
     chain_at(index).chain = c;
     return Decision(!begins, accepted);

@@ -8,7 +8,7 @@
 // Frames of no samples make the bootstrap samples; the host chooses among them where chains begin.
 //
 // To be read in this order: chains.glsl (proposals, acceptance, splats), numbers.glsl (random numbers as a chain's state), then a form:
-// primary.glsl, multiplexed.glsl, or paths.glsl with path_mutations.glsl, path_value.glsl and path_vertices.glsl.
+// primary.glsl, multiplexed.glsl, or paths.glsl with path_mutations.glsl, path_value.glsl, path_vertices.glsl and path_record.glsl.
 #version 460
 #include "core/prelude.glsl"
 
@@ -28,6 +28,7 @@
 //     uint walk_kind(walk, proposal)         of path
 //     uint walk_known(walk)                  what the chain is to know of it
 //     uint walk_source(walk, proposal)       of a bootstrap sample: see bootstrap_source
+//     uint walk_sort(walk, proposal)         of mutation, for records: MUTATION_*
 //     void walk_keep(walk, proposal, chain)  makes it the chain's current path
 #if defined(PASS_PATHS)
 #include "techniques/metropolis/paths.glsl"
@@ -66,6 +67,7 @@ bool begin(inout Lane lane) {
     lane.mutation = lane.sample_index * table.mutations + lane.done + 1u;
     if (makes_bootstrap()) lane.proposal = bootstrap_proposal(lane.place);
     else lane.proposal = chain_propose(lane.chain, lane.mutation, LARGE_STEP);
+    if (RECORDS && !makes_bootstrap()) record_begin_proposal(lane.chain, mutation_number(lane.proposal, lane.mutation), lane.sample_index);
     estimate_clear(lane.e);
     return walk_begin(lane.proposal, makes_bootstrap() ? gl_GlobalInvocationID.x : lane.chain, lane.e, lane.walk);
 }
@@ -75,6 +77,10 @@ bool extend(inout Lane lane) { return walk_extend(lane.walk, lane.proposal, lane
 void end(inout Lane lane) {
     Proposal p = lane.proposal;
     Walk w = lane.walk;
+    if (RECORDS) {
+        uint made_by = mutation_number(p, lane.mutation);
+        record_mutation(lane.chain, made_by, made_by == 0u ? MUTATION_BEGINS : walk_sort(w, p), walk_share(w, p));
+    }
     proposal_close(w.position, walk_share(w, p), lane.sample_index, lane.e);
     if (makes_bootstrap()) {
         bootstrap_at(lane.place).bootstrap = BootstrapSample(scalar_contribution(lane.e.radiance), walk_source(w, p));

@@ -33,13 +33,27 @@ uint walk_known(Walk w) { return w.camera_random.dimension | (w.light_random.dim
 
 void multiplexed_begin_camera(inout Walk w) {
     w.from_light = false;
+    if (RECORDS) recorded_from_light = false;
     w.path = path_from_camera(camera_ray(w.position, w.lens), w.camera_random);
     w.mis = mis_begin_camera(camera_importance(w.path.ray.direction), lens_choice(), lens_cosine(w.path.ray.direction));
 }
 
+// Records the camera's vertex where it is all that there is from the camera: the ray ends there.
+void record_seen(Ray ray) {
+    recorded_from_light = false;
+    if (!records(RECORD_BEGIN)) return;
+    PathRecord r = record_of(RECORD_BEGIN, 0u);
+    r.position = ray.origin + ray.t_max * ray.direction;
+    r.direction = -ray.direction;
+    record_append(r);
+}
+
 // The light subpath connected to the camera, as a connection.
 Connection multiplexed_to_camera(inout Walk w, CameraConnection c) {
-    if (c.contribution != vec3(0.0)) w.position = c.position;
+    if (c.contribution != vec3(0.0)) {
+        w.position = c.position;
+        if (RECORDS) record_seen(c.ray);
+    }
     return Connection(c.contribution, c.weight, c.ray, c.absorption);
 }
 
@@ -67,6 +81,10 @@ bool walk_begin(Proposal p, uint room, inout Estimate e, out Walk w) {
     vec4 b = next4(w.light_random);
     w.emitted = light_emit(a, b);
     w.from_light = true;
+    if (RECORDS) {
+        recorded_from_light = true;
+        record_emitted(w.emitted);
+    }
     w.path = path_from_light(w.emitted, w.light_random);
     return w.s == 1u || w.emitted.power != vec3(0.0);
 }
@@ -135,7 +153,11 @@ bool walk_extend(inout Walk w, Proposal p, inout Estimate e) {
     // Segments of the whole path: by the camera alone one more than it has.
     uint segments = w.by_camera ? w.path.depth + 2u : w.s + w.t - 1u;
     bool left = multiplexed_step(w, e, found_by);
-    if (found_by.contribution != vec3(0.0)) contribute(e, segments, found_by.contribution * ray_transmittance(found_by.ray, !w.by_camera && w.t == 1u, found_by.absorption, e.rays) * found_by.weight);
+    if (found_by.contribution != vec3(0.0)) {
+        vec3 through = found_by.contribution * ray_transmittance(found_by.ray, !w.by_camera && w.t == 1u, found_by.absorption, e.rays);
+        contribute(e, segments, through * found_by.weight);
+        if (RECORDS && through != vec3(0.0)) record_strategy(w.by_camera ? 1u : w.s, w.by_camera ? segments : w.t, through, found_by.weight, 0u);
+    }
     return left;
 }
 

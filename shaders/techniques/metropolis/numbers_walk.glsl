@@ -6,4 +6,5 @@ float walk_ratio(Walk w, Proposal p, float proposed) { return proposed / p.from.
 
 uint walk_kind(Walk w, Proposal p) { return p.kind; }
 uint walk_source(Walk w, Proposal p) { return bootstrap_source(p.kind, p.kind, 0.0); }
+uint walk_sort(Walk w, Proposal p) { return p.large ? MUTATION_LARGE : MUTATION_SMALL; }
 void walk_keep(Walk w, Proposal p, uint chain) { keep_numbers(p.random, chain, walk_known(w)); }

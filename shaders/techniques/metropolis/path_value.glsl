@@ -5,6 +5,7 @@
 // to area at the next vertex (`arriving` times `nearness`), and F the throughput of the path from the camera times what is emitted, a
 // path contributes F p_0 A_1 p_1 A_2 ... A_k per area at all its vertices.
 #include "techniques/metropolis/path_vertices.glsl"
+#include "techniques/metropolis/path_record.glsl"
 #include "transport/emission.glsl"
 #include "transport/light_subpath.glsl"
 
@@ -68,6 +69,7 @@ vec3 path_value(inout Route r, inout uint rays) {
     vec3 origin = before.position; // of rays away from the vertex before, moved off its surface
     vec3 direction = CAMERA == CAMERA_ORTHOGRAPHIC ? scene.camera_corner : segment_direction(before, x);
     before.pdf = camera_importance(direction) / light_path_count();
+    if (RECORDS) record_route_begin(before.position, direction);
     for (uint i = 1u; i <= r.segments; i++) {
         bool last = i == r.segments, distant = is_distant(x);
         vec3 d = distant ? direction : x.position - before.position;
@@ -77,8 +79,11 @@ vec3 path_value(inout Route r, inout uint rays) {
         vec3 target = x.position, onwards = direction, leaving_from = x.position;
         Ray ray = Ray(x.position, direction, INFINITY);
         vec3 arrived = absorption;
+        if (RECORDS) recorded_vertex.throughput = HAS_ABSORPTION && !distant ? value * exp(-arrived * sqrt(length2)) : value;
         if (last) {
-            value *= light_value(x, before, direction, distance2, target);
+            vec3 emitted = light_value(x, before, direction, distance2, target);
+            value *= emitted;
+            if (RECORDS) record_route_light(i, x, before, direction, distance2, emitted);
         } else {
             next = route_vertex(r, i + 1u);
             onwards = segment_direction(x, next);
@@ -96,17 +101,21 @@ vec3 path_value(inout Route r, inout uint rays) {
                 BsdfSample s = vertex_sample(v, b, ray, next4(random).xyz);
                 if (!s.delta || s.wi.z * local.z <= 0.0) return vec3(0.0);
                 value *= s.weight;
+                if (RECORDS) record_route_weight(s.weight, s.pdf_w);
                 x.pdf = 1.0;
                 // The lobe takes a solid angle to another one: n^2 |cos| of it stays (Veach 1997, section 5.2).
                 x.reverse_pdf = abs(v.wo.z / local.z) / (s.eta * s.eta);
             } else {
                 if (bsdf_is_delta(b)) return vec3(0.0);
-                value *= vertex_eval(v, b, ray, local, onwards);
+                vec3 f = vertex_eval(v, b, ray, local, onwards);
+                value *= f;
                 x.pdf = i + 1u == r.segments && is_alone(next) ? 1.0 : bsdf_pdf(b, v.wo, local);
                 x.reverse_pdf = bsdf_pdf(b, local, v.wo);
                 if (!(x.pdf > 0.0)) return vec3(0.0);
                 value /= x.pdf;
+                if (RECORDS) record_route_weight(f / x.pdf, x.pdf);
             }
+            if (RECORDS) record_route_scatter(i, x, b, ray, onwards);
             if (HAS_FLIPPED_NORMALS && v.flips) x.reverse_pdf *= vertex_flip_share(v); // a light subpath takes this frame so often
             absorption = vertex_absorption(v, b, absorption, local);
             target = offset_origin(v.at.position, v.at.margin, v.at.normal, -direction);

@@ -45,7 +45,8 @@ shared_structs! {
 
     /// A Markov chain.
     pub struct Chain {
-        /// The bootstrap sample that it begins with.
+        /// The bootstrap sample that it begins with. Where paths are recorded, once it has begun: the mutation that proposed its current path, 0 of
+        /// that bootstrap sample.
         begins_at: uint,
         /// The kind of its current path; before it has begun, that of large steps which made its bootstrap
         /// sample.
