@@ -352,7 +352,7 @@ fn names_of_outputs_say_what_they_hold() {
     let here = folder.path();
     let cornell = scene("cornell.xml");
     let render = ["render", &cornell, "-o", "a.png"];
-    let cases: [(&[&str], &[&str], &str); 21] = [
+    let cases: [(&[&str], &[&str], &str); 25] = [
         (&render, &["--checkpoint", "out.jpg"], "out.jpg would be a checkpoint, and .jpg is the extension of an image"),
         (&render, &["--checkpoint", "out.XML"], "valid is out.ckpt, or a name without extension"),
         (&render, &["--checkpoint", "-"], "- is standard output, and a checkpoint is read again"),
@@ -365,6 +365,9 @@ fn names_of_outputs_say_what_they_hold() {
         (&render, &["--record", "out.svg"], "out.svg would be a folder"),
         (&render, &["-o", "a.png"], "a.png is to be two outputs"),
         (&render, &["--json", "c", "--checkpoint", "c"], "c is to be two outputs"),
+        (&render, &["-o", "./a.png"], "./a.png is to be two outputs"),
+        (&render, &["--record", "d", "--json", "d/frame.json"], "d/frame.json is to be two outputs"),
+        (&render, &["--record", "-"], "'-' would be a folder"),
         (&render, &["-o", "-", "--json", "-"], "standard output takes one output"),
         (&["rays", &cornell], &["--export", "out.png"], "out.png would be triangles and rays"),
         (&["rays", &cornell], &["--export", "-", "--json", "-"], "standard output takes one output"),
@@ -382,6 +385,7 @@ fn names_of_outputs_say_what_they_hold() {
             "out.html would be a folder, and .html is the extension of a document: valid is out",
         ),
         (&["man"], &["out.pdf"], "out.pdf would be a folder"),
+        (&["man"], &["-"], "'-' would be a folder"),
     ];
     for (command, more, expected) in cases {
         let said = fails(here, &[command, more].concat(), 2);

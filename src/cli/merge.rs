@@ -36,6 +36,7 @@ pub(super) struct MergeArgs {
 pub(super) fn run(args: &MergeArgs) -> Result<()> {
     let kind = kind(&args.inputs)?;
     let same = |one: &Path, other: &Path| {
+        // Inputs may be folders.
         one == other || one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
     };
     if let Some(path) = args.output.iter().find(|path| args.inputs.iter().any(|input| same(input, path))) {

@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use lumbre::error::{Error, Result};
-use lumbre::files::{STANDARD_INPUT, check_promise, check_writable, is_standard_output, replace_file};
+use lumbre::files::{STANDARD_INPUT, check_promise, check_writable, is_standard_output, replace_file, same_file};
 use lumbre::scene::Scene;
 
 /// Why standard output could not be written, the first time.
@@ -78,15 +78,19 @@ pub(super) fn takes_standard_output(path: &Path) -> bool {
 /// Fails where two outputs are one file, or both go to standard output.
 pub(super) fn check_apart<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
     let mut seen: Vec<&Path> = Vec::new();
+    let mut files: Vec<PathBuf> = Vec::new();
     for path in outputs {
         if takes_standard_output(path) && seen.iter().any(|other| takes_standard_output(other)) {
             let message = "standard output takes one output, and two are to go there: give the other a file";
             return Err(Error::Usage(String::from(message)));
         }
-        if seen.contains(&path) {
+        seen.push(path);
+        // Nothing in a device or a pipe is replaced.
+        let Some(file) = same_file(path) else { continue };
+        if files.contains(&file) {
             return Err(Error::Usage(format!("{} is to be two outputs: give each its own file", path.display())));
         }
-        seen.push(path);
+        files.push(file);
     }
     Ok(())
 }

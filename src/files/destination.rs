@@ -113,6 +113,13 @@ pub(crate) fn file_behind(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
+/// What all names of one file have in common, whether it is there or not; nothing for devices and pipes.
+pub fn same_file(path: &Path) -> Option<PathBuf> {
+    let file = file_behind(path).ok()?;
+    let folder = folder_of(&file).canonicalize().unwrap_or_else(|_| folder_of(&file).to_owned());
+    Some(folder.join(file.file_name()?))
+}
+
 /// Whether a name is that of a device or a pipe.
 pub(crate) fn is_stream(path: &Path) -> bool {
     matches!(destination(path), Ok(Destination::Stream(_)))

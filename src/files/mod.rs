@@ -7,8 +7,8 @@ mod read;
 mod replace;
 mod standard_input;
 
-pub use destination::is_standard_output;
 pub(crate) use destination::{file_behind, folder_of, is_stream};
+pub use destination::{is_standard_output, same_file};
 pub use promise::{check_folder_name, check_promise, promise_of};
 pub(crate) use read::{DEFLATE_RATIO, FILE_BYTES, open, read_bytes, read_text};
 pub(crate) use replace::inherit;

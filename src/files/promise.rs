@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::STANDARD_INPUT;
 use crate::error::{Error, Result};
 
 /// What files hold, and the extensions that say so.
@@ -35,7 +36,7 @@ const PROMISES: [(&str, &[&str]); 7] = [
             "dae",
         ],
     ),
-    ("JSON", &["json", "jsonl"]),
+    ("JSON", &["json"]),
     ("a drawing", &["svg", "eps", "ps"]),
     ("a document", &["pdf", "html", "htm", "md"]),
     ("a table", &["csv", "tsv"]),
@@ -63,6 +64,11 @@ pub fn check_promise(path: &Path, holds: &str, own: &str) -> Result<()> {
 
 /// Fails where the name of a folder to make is that of a file.
 pub fn check_folder_name(path: &Path) -> Result<()> {
+    if path == Path::new(STANDARD_INPUT) {
+        return Err(Error::Usage(String::from(
+            "'-' would be a folder, and stands for standard output: valid is a name",
+        )));
+    }
     match promise_of(path).filter(|_| !path.is_dir()) {
         None => Ok(()),
         Some((extension, promised)) => Err(Error::Usage(format!(

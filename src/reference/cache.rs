@@ -10,6 +10,7 @@ use super::parts::{self, Parts};
 use super::request::{Budget, Request, Step};
 use super::truth::Truth;
 use crate::error::{Error, Result};
+use crate::files::is_stream;
 use crate::render::kernels_fingerprint;
 
 /// Counts up whenever references are made in another way: older ones are not taken then.
@@ -62,6 +63,12 @@ pub fn obtain(request: &Request, folder: &Path, hear: &mut dyn FnMut(Step) -> Re
 ///
 /// As of [`make`], and a file that cannot be written.
 pub fn resume(request: &Request, path: &Path, hear: &mut dyn FnMut(Step) -> Result<()>) -> Result<Truth> {
+    if is_stream(path) {
+        // There is no file beside it to keep anything in.
+        let truth = make(request, hear)?;
+        write(path, &truth)?;
+        return Ok(truth);
+    }
     let kept: PathBuf = parts::path(path);
     let key = request.key();
     let truth = make(&Request { parts: Some((&kept, key)), ..*request }, hear).map_err(|error| match error {

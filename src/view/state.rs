@@ -41,6 +41,8 @@ pub(super) const KEYS: [(&str, &str); 11] = [
 /// What the window keeps.
 pub(super) struct State {
     pub wanted: Wanted,
+    /// What was wanted before the scene that was opened last, which may be of no use.
+    before: Option<Wanted>,
     pub news: News,
     pub display: Display,
     /// Where the user stands; nothing until there is a scene.
@@ -65,6 +67,7 @@ impl State {
     pub fn new(wanted: Wanted, news: News) -> Self {
         Self {
             wanted,
+            before: None,
             news,
             display: Display::default(),
             viewpoint: None,
@@ -97,6 +100,17 @@ impl State {
         } else if self.news.failed_scene == Some(self.wanted.scene_number) {
             // The scene that was opened last is of no use: back to the one before.
             self.notice.clone_from(&self.news.trouble);
+            if let Some(before) = self.before.take() {
+                let now = &self.wanted;
+                // But for what has been counted or looked at since.
+                self.wanted = Wanted {
+                    camera: now.camera.clone(),
+                    camera_number: now.camera_number,
+                    asked: now.asked,
+                    is_paused: now.is_paused,
+                    ..before
+                };
+            }
             self.wanted.scene = facts.scene.clone();
             self.wanted.scene_number = facts.scene_number;
             self.is_changed = true;
@@ -106,6 +120,7 @@ impl State {
     /// Opens another scene, by its technique and its camera.
     pub fn open(&mut self, scene: PathBuf) {
         self.notice = Some(format!("opening {}", scene.display()));
+        self.before = Some(self.wanted.clone());
         let own = &mut self.wanted;
         own.options.format = None;
         if own.scene != scene {

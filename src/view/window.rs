@@ -88,7 +88,7 @@ pub fn open(start: Start) -> Result<Vec<String>> {
         std::mem::forget(viewer.there.take());
     }
     viewer.close();
-    ran?.map_err(display_server::refusal)?;
+    ran?;
     viewer.failed.map_or(Ok(viewer.messages), Err)
 }
 

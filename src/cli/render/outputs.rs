@@ -31,7 +31,9 @@ pub(super) fn outputs(args: &RenderArgs) -> Result<Vec<PathBuf>> {
         check_writable(path)?;
     }
     args.checkpoint.as_deref().map_or(Ok(()), check_name)?;
-    check_apart(outputs.iter().chain(&args.json).chain(&args.checkpoint).map(PathBuf::as_path))?;
+    let recording = args.record.as_deref().map(record::files);
+    let all = outputs.iter().chain(&args.json).chain(&args.checkpoint).chain(recording.iter().flatten());
+    check_apart(all.map(PathBuf::as_path))?;
     // The checkpoint of a shard keeps its layers.
     let is_lost = args.lengths.is_some() && args.shard.is_none();
     if !has_exr(&outputs) && (is_lost || !args.aov.is_empty()) {

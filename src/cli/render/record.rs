@@ -34,7 +34,7 @@ struct FrameReport {
 }
 
 /// The files of a recording.
-fn files(folder: &Path) -> [PathBuf; 2] {
+pub(super) fn files(folder: &Path) -> [PathBuf; 2] {
     ["frame.json", "frame.svg"].map(|name| folder.join(name))
 }
 

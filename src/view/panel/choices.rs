@@ -81,7 +81,9 @@ fn number(ui: &mut Ui, name: &str, range: RangeInclusive<f32>, decimals: Option<
     let mut draft = ui.data(|data| data.get_temp(id)).unwrap_or(known);
     let whole = (range.end() - range.start()).abs().min(1.0);
     let speed = (draft.abs() * 0.02).max(whole * 0.005);
-    let response = ui.add(DragValue::new(&mut draft).range(range).speed(speed).max_decimals_opt(decimals));
+    let response = ui.add(
+        DragValue::new(&mut draft).range(range).clamp_existing_to_range(false).speed(speed).max_decimals_opt(decimals),
+    );
     if response.dragged() || response.has_focus() {
         ui.data_mut(|data| data.insert_temp(id, draft));
         return None;

@@ -1,6 +1,5 @@
 //! The X11 or Wayland server that shows the window: whether there is one, and what is left when it goes away.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind, set_hook, take_hook};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,9 +26,13 @@ fn is_named() -> bool {
         .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
 }
 
-/// Runs the event loop. winit panics where the server has ended, or has destroyed the window, behind its back: that is an error here. Any other
-/// panic goes on.
-pub(super) fn survive<T>(run: impl FnOnce() -> T) -> Result<T> {
+fn gone() -> Error {
+    Error::Device(String::from("the display went away, or destroyed the window"))
+}
+
+/// Runs the event loop. Where the server has ended, or has destroyed the window, behind its back, winit panics (X11) or returns a status of its own
+/// (Wayland): that is an error here. Any other panic goes on.
+pub(super) fn survive(run: impl FnOnce() -> std::result::Result<(), EventLoopError>) -> Result<()> {
     type Hook = dyn Fn(&std::panic::PanicHookInfo<'_>) + Send + Sync;
     let previous: Arc<Hook> = Arc::from(take_hook());
     let own = std::thread::current().id();
@@ -46,10 +49,11 @@ pub(super) fn survive<T>(run: impl FnOnce() -> T) -> Result<T> {
     let ran = catch_unwind(AssertUnwindSafe(run));
     set_hook(Box::new(move |info| previous(info)));
     let is_gone = *of_winit.lock().unwrap_or_else(PoisonError::into_inner);
-    ran.map_err(|panic: Box<dyn Any + Send>| {
-        if !is_gone {
-            resume_unwind(panic);
-        }
-        Error::Device(String::from("the display went away, or destroyed the window"))
-    })
+    match ran {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(EventLoopError::ExitFailure(_))) => Err(gone()),
+        Ok(Err(error)) => Err(refusal(error)),
+        Err(_) if is_gone => Err(gone()),
+        Err(panic) => resume_unwind(panic),
+    }
 }
