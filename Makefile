@@ -66,6 +66,7 @@ thorough:
 	$(CARGO) clippy --release --all-targets --no-default-features -- -D warnings
 	$(CARGO) clippy --release --all-targets --features hot-reload -- -D warnings
 	@.ci/tests --features hot-reload --test tests -- view::
+	@benches/planted_faults.py --check
 
 # Speed against error of four scenes: out/bench/index.html. Under ten minutes on two cores.
 bench: build
