@@ -77,16 +77,15 @@ pub(super) fn takes_standard_output(path: &Path) -> bool {
 
 /// Fails where two outputs are one file, or both go to standard output.
 pub(super) fn check_apart<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<()> {
-    let mut seen: Vec<&Path> = Vec::new();
+    let mut is_taken = false;
     let mut files: Vec<PathBuf> = Vec::new();
     for path in outputs {
-        if takes_standard_output(path) && seen.iter().any(|other| takes_standard_output(other)) {
+        if takes_standard_output(path) && std::mem::replace(&mut is_taken, true) {
             let message = "standard output takes one output, and two are to go there: give the other a file";
             return Err(Error::Usage(String::from(message)));
         }
-        seen.push(path);
         // Nothing in a device or a pipe is replaced.
-        let Some(file) = same_file(path) else { continue };
+        let Some(file) = same_file(path).filter(|_| !is_dash(path)) else { continue };
         if files.contains(&file) {
             return Err(Error::Usage(format!("{} is to be two outputs: give each its own file", path.display())));
         }

@@ -41,8 +41,8 @@ pub(super) const KEYS: [(&str, &str); 11] = [
 /// What the window keeps.
 pub(super) struct State {
     pub wanted: Wanted,
-    /// What was wanted before the scene that was opened last, which may be of no use.
-    before: Option<Wanted>,
+    /// What was wanted last of the scene that is there: another one may be of no use.
+    last_good: Option<Wanted>,
     pub news: News,
     pub display: Display,
     /// Where the user stands; nothing until there is a scene.
@@ -67,7 +67,7 @@ impl State {
     pub fn new(wanted: Wanted, news: News) -> Self {
         Self {
             wanted,
-            before: None,
+            last_good: None,
             news,
             display: Display::default(),
             viewpoint: None,
@@ -91,6 +91,7 @@ impl State {
         self.news = news;
         let Some(facts) = self.facts() else { return };
         if facts.scene_number == self.wanted.scene_number {
+            self.last_good = Some(self.wanted.clone());
             let here = Some((facts.scene_number, self.wanted.choice.overrides.camera.clone()));
             if self.stands_in != here {
                 self.viewpoint = Some(Viewpoint::new(&facts.camera, facts.core));
@@ -100,7 +101,7 @@ impl State {
         } else if self.news.failed_scene == Some(self.wanted.scene_number) {
             // The scene that was opened last is of no use: back to the one before.
             self.notice.clone_from(&self.news.trouble);
-            if let Some(before) = self.before.take() {
+            if let Some(good) = self.last_good.clone() {
                 let now = &self.wanted;
                 // But for what has been counted or looked at since.
                 self.wanted = Wanted {
@@ -108,11 +109,9 @@ impl State {
                     camera_number: now.camera_number,
                     asked: now.asked,
                     is_paused: now.is_paused,
-                    ..before
+                    ..good
                 };
             }
-            self.wanted.scene = facts.scene.clone();
-            self.wanted.scene_number = facts.scene_number;
             self.is_changed = true;
         }
     }
@@ -120,7 +119,6 @@ impl State {
     /// Opens another scene, by its technique and its camera.
     pub fn open(&mut self, scene: PathBuf) {
         self.notice = Some(format!("opening {}", scene.display()));
-        self.before = Some(self.wanted.clone());
         let own = &mut self.wanted;
         own.options.format = None;
         if own.scene != scene {
@@ -323,4 +321,83 @@ fn shader_error(ui: &Ui, error: &str, room: Rect) {
     let place = Rect::from_min_size(room.min + Vec2::splat(12.0), text.size() + Vec2::splat(16.0));
     ui.painter().rect_filled(place, 4.0, Color32::from_rgba_unmultiplied(120, 0, 0, 220));
     ui.painter().galley(place.min + Vec2::splat(8.0), text, Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::backend::Backend;
+    use crate::scene::{LoadOptions, load};
+    use crate::techniques::{Overrides, Settings, Technique};
+    use crate::view::layer::Layer;
+    use crate::view::wanted::Choice;
+
+    /// However many of them: what the scene that is there was opened with is wanted again. A scene that opens has its own.
+    #[test]
+    fn scenes_that_fail_leave_what_was_asked_of_the_one_before() {
+        let file = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace_sphere.xml"));
+        let options = LoadOptions { defines: vec![(String::from("spp"), String::from("4"))], ..LoadOptions::default() };
+        let scene = load(&file, &options).unwrap();
+        let news = |scene_number: u64, failed_scene: Option<u64>| News {
+            doing: Doing::Rendering,
+            trouble: None,
+            facts: Some(Arc::new(Facts {
+                scene_number,
+                scene: file.clone(),
+                cameras: Vec::new(),
+                camera: scene.cameras[0].clone(),
+                core: (glam::DVec3::ZERO, 1.0),
+                warnings: Vec::new(),
+                settings: Settings::new(&scene, Technique::parse("path").unwrap(), Backend::Bvh),
+                device: 0,
+                devices: Vec::new(),
+            })),
+            picture: None,
+            traced: None,
+            shader_error: None,
+            losses: 0,
+            failed_scene,
+        };
+        let overrides = Overrides { technique: Some(String::from("bdpt")), ..Overrides::default() };
+        let wanted = Wanted {
+            scene: file.clone(),
+            options: options.clone(),
+            scene_number: 0,
+            device: None,
+            choice: Choice { overrides: overrides.clone(), ..Choice::default() },
+            camera: None,
+            camera_number: 0,
+            layer: Layer::Image,
+            reference: Some(PathBuf::from("truth.exr")),
+            is_paused: false,
+            asked: None,
+            shaders: None,
+            spp: None,
+        };
+        let mut state = State::new(wanted, news(0, None));
+        state.hear(news(0, None));
+        state.open(PathBuf::from("broken.obj"));
+        state.open(PathBuf::from("broken.ply"));
+        assert!(state.wanted.options.defines.is_empty() && state.wanted.choice.overrides.technique.is_none());
+        state.hear(news(0, Some(2)));
+        let asked = |state: &State| {
+            let own = &state.wanted;
+            (
+                own.scene.clone(),
+                own.scene_number,
+                own.options.defines.clone(),
+                own.choice.overrides.clone(),
+                own.reference.clone(),
+            )
+        };
+        assert_eq!(asked(&state), (file.clone(), 0, options.defines, overrides, Some(PathBuf::from("truth.exr"))));
+        // Another one that opens, and is broken when it is read again, keeps its own.
+        state.open(file.clone());
+        state.hear(news(3, None));
+        let opened = asked(&state);
+        state.reload();
+        state.hear(news(3, Some(4)));
+        assert_eq!(asked(&state), opened);
+        assert_eq!(opened.3.technique, None);
+    }
 }

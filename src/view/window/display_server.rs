@@ -1,7 +1,8 @@
 //! The X11 or Wayland server that shows the window: whether there is one, and what is left when it goes away.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind, set_hook, take_hook};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use winit::error::EventLoopError;
 
@@ -36,24 +37,23 @@ pub(super) fn survive(run: impl FnOnce() -> std::result::Result<(), EventLoopErr
     type Hook = dyn Fn(&std::panic::PanicHookInfo<'_>) + Send + Sync;
     let previous: Arc<Hook> = Arc::from(take_hook());
     let own = std::thread::current().id();
-    let of_winit = Arc::new(Mutex::new(false));
+    let of_winit = Arc::new(AtomicBool::new(false));
     let (told, otherwise) = (of_winit.clone(), previous.clone());
     set_hook(Box::new(move |info| {
         let is_winit = info.location().is_some_and(|place| place.file().contains("winit"));
         if is_winit && std::thread::current().id() == own {
-            *told.lock().unwrap_or_else(PoisonError::into_inner) = true;
+            told.store(true, Ordering::Relaxed);
         } else {
             otherwise(info);
         }
     }));
     let ran = catch_unwind(AssertUnwindSafe(run));
     set_hook(Box::new(move |info| previous(info)));
-    let is_gone = *of_winit.lock().unwrap_or_else(PoisonError::into_inner);
     match ran {
         Ok(Ok(())) => Ok(()),
         Ok(Err(EventLoopError::ExitFailure(_))) => Err(gone()),
         Ok(Err(error)) => Err(refusal(error)),
-        Err(_) if is_gone => Err(gone()),
+        Err(_) if of_winit.load(Ordering::Relaxed) => Err(gone()),
         Err(panic) => resume_unwind(panic),
     }
 }
